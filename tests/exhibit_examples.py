@@ -135,10 +135,8 @@ def ranks_frame() -> pd.DataFrame:
 def spread_frame() -> pd.DataFrame:
     runs = itertools.product(("ID", *MOTIONS), (1, 2), RIVALS, (9.42, 20.48), range(1, 6))
     rows = [(*run, 0.9 + 0.01 * (i % 7)) for i, run in enumerate(runs)]
-    for name in ("published algorithm1", "published least-squares"):
-        rows += [(case, joint, name, None, None, 0.93) for case in ("ID", *MOTIONS) for joint in (1, 2)]
     frame = pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "total"])
-    groups = frame.groupby(["case", "joint", "method", "duration"], dropna=False)
+    groups = frame.groupby(["case", "joint", "method", "duration"])
     return frame.assign(median=groups["total"].transform("median"))
 
 
@@ -205,17 +203,17 @@ TABLES = {name: partial(as_text, REFERENCE / f"{name}.csv") for name in LAYOUTS}
 
 
 def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
-    csv, pdf, png = (folder / f"{name}.{kind}" for kind in ("csv", "pdf", "png"))
-    frame.to_csv(csv, index=False)
-    declare.draw(EXHIBITS["figure", name], csv, pdf, png)
-    return pdf.read_bytes(), png.read_bytes()
+    out = {kind: folder / f"{name}.{kind}" for kind in ("csv", "pdf", "png")}
+    frame.to_csv(out["csv"], index=False)
+    declare.show(EXHIBITS["figure", name], out)
+    return out["pdf"].read_bytes(), out["png"].read_bytes()
 
 
 def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
-    csv, tex, md = (folder / f"{name}.{kind}" for kind in ("csv", "tex", "md"))
-    frame.to_csv(csv, index=False)
-    declare.lay_out(EXHIBITS["table", name], csv, tex, md)
-    return tex.read_text(encoding="utf-8"), md.read_text(encoding="utf-8")
+    out = {kind: folder / f"{name}.{kind}" for kind in ("csv", "tex", "md")}
+    frame.to_csv(out["csv"], index=False)
+    declare.show(EXHIBITS["table", name], out)
+    return out["tex"].read_text(encoding="utf-8"), out["md"].read_text(encoding="utf-8")
 
 
 def made(name: str, frame: pd.DataFrame) -> Figure:

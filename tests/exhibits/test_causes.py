@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from repro.exhibits.causes import crossed, why_table
+from repro.exhibits.causes import cells_and_effects, crossed
 
 #: Training and motion of line 18, mean total of both joints on ID (of seeds 1 and 2) and over T1 to T4.
 MEANS = {
@@ -33,7 +33,7 @@ def rows_of(table, kind):
 
 
 def test_cells_and_effects_by_hand():
-    table = why_table(crossed(scores()))
+    table = cells_and_effects(crossed(scores()))
     assert len(table) == (4 + 3) * 2
     assert set(table["seeds"]) == {2}
     cells = rows_of(table, "cell")

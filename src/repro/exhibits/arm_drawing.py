@@ -67,8 +67,8 @@ def _link(axes: Axes, index: int, joint: Point, before: float, angle: float) -> 
     for name, length in (("lc", _CENTRES[index]), ("l", _LINKS[index])):
         _measure(axes, joint, angle, length, _MEASURES[index][name], f"{name}{number}")
     axes.plot(*zip(joint, _beyond(joint, before, 0.47), strict=True), **_THIN, ls=(0, (4, 2)))
-    start = degrees(before) - 90.0
-    axes.add_patch(Arc(joint, 0.76, 0.76, theta1=start, theta2=degrees(angle) - 90.0, lw=0.6, color=style.INK))
+    span = {"theta1": degrees(before) - 90.0, "theta2": degrees(angle) - 90.0}
+    axes.add_patch(Arc(joint, 0.76, 0.76, **span, lw=0.6, color=style.INK))
     tip = _beyond(joint, angle, 0.38)
     arrow(axes, _beyond(tip, angle - pi / 2, 0.01), tip)
     _write(axes, _beyond(joint, (before + angle) / 2, 0.49), (f"q{number}",))
@@ -78,14 +78,14 @@ def _link(axes: Axes, index: int, joint: Point, before: float, angle: float) -> 
     _write(axes, _beyond(centre, angle, 0.0, -0.3 if index == 0 else 0.2), (f"m{number}", f"J{number}"))
 
 
-def _motor(axes: Axes, joint: Point, number: int, place: Point, side: str) -> None:
+def _motor(axes: Axes, joint: Point, number: int, lower: float) -> None:
     """Draw the torque at a joint and name it with the joint's friction."""
     first, last = _PIVOT_SPAN
     axes.add_patch(Arc(joint, 2 * _PIVOT, 2 * _PIVOT, theta1=first, theta2=last, lw=1.0, color=style.INK, zorder=3))
     out = radians(last) + pi / 2  # direction from the joint to the end of the arc, as `_beyond` counts
     tip = _beyond(joint, out, _PIVOT)
     arrow(axes, _beyond(tip, out + pi / 2, -0.01), tip)
-    _write(axes, place, (f"tau{number}", f"b{number}", f"k{number}"), side)
+    _write(axes, (joint[0] - 0.25, joint[1] - lower), (f"tau{number}", f"b{number}", f"k{number}"), "right")
 
 
 def _key(axes: Axes, table: pd.DataFrame) -> None:
@@ -96,14 +96,12 @@ def _key(axes: Axes, table: pd.DataFrame) -> None:
         column, row = divmod(place, rows)
         shown = ", ".join(formula(symbol).tex for symbol in symbols)
         words = f"{shown}  {plain(str(description)).md} ({unit(str(si)).md})"
-        y = _KEY_TOP - _KEY_STEP * row
-        axes.text(_KEY[column], y, words, fontsize=style.SMALL_SIZE, ha="left", va="center")
+        axes.text(_KEY[column], _KEY_TOP - _KEY_STEP * row, words, fontsize=style.SMALL_SIZE, ha="left", va="center")
 
 
 def draw_arm(frame: pd.DataFrame) -> Figure:
     """Two-link arm with its symbols (Fig. 1)."""
     figure, axes = style.inches(style.COLUMN, _ARM_HEIGHT)
-
     x, y = _BASE
     mount = Rectangle((x - 0.2, y + 0.29), 0.4, 0.08, facecolor="white", hatch="/////", lw=0.0, ec=style.INK)
     mount.set_hatch_linewidth(0.5)
@@ -115,9 +113,8 @@ def draw_arm(frame: pd.DataFrame) -> Figure:
     _link(axes, 1, elbow, angles[0], angles[1])
     _link(axes, 0, _BASE, 0.0, angles[0])
     axes.plot(*elbow, **_JOINT, zorder=5)
-    _motor(axes, _BASE, 1, (x - 0.25, y - 0.02), "right")
-    _motor(axes, elbow, 2, (elbow[0] - 0.25, elbow[1] - 0.04), "right")
-
+    _motor(axes, _BASE, 1, lower=0.02)
+    _motor(axes, elbow, 2, lower=0.04)
     for symbol, end in (("x", (_AXES[0] + 0.42, _AXES[1])), ("y", (_AXES[0], _AXES[1] + 0.42))):
         arrow(axes, _AXES, end)
         _write(axes, (end[0] + 0.07, end[1]), (symbol,))
@@ -131,9 +128,7 @@ def draw_arm(frame: pd.DataFrame) -> Figure:
 
 
 #: The arm in its box: base and length of a link, in, q1 and q2 in degrees.
-_SETUP_BASE = (6.04, 1.24)
-_SETUP_LINK = 0.44
-_SETUP_BENDS = (30.0, 32.0)
+_SETUP_BASE, _SETUP_LINK, _SETUP_BENDS = (6.04, 1.24), 0.44, (30.0, 32.0)
 
 
 def hanging_arm(axes: Axes) -> None:

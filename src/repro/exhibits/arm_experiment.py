@@ -9,32 +9,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.exhibits import style
-from repro.exhibits.declare import ARM, EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import (
-    Column,
-    Table,
-    Text,
-    digits,
-    formula,
-    grid,
-    number,
-    plain,
-    scientific,
-    with_unit,
-    words,
-)
+from repro.exhibits.declare import ARM, Inputs, figure, table
+from repro.exhibits.markup import Table, Text, digits, formula, layout, plain, scientific, with_unit, words
 from repro.exhibits.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
-from repro.exhibits.result_tables import by_method, heading_of, methods_of, similarities
+from repro.exhibits.result_tables import by_method, heading_of, methods_of, parameter_cells, similarities
 from repro.model.dynamics import forward_kinematics, rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
-from repro.pipeline.experiment import (
-    Recording,
-    control_constants,
-    mechanical_parameters,
-    program_settings,
-    read_recordings,
-)
+from repro.pipeline import experiment
 from repro.pipeline.identifications import CASE, SCORES, read_identifications, read_scores, tracking
 from repro.pipeline.job import Config
 from repro.pipeline.summary import experiment_table, median_seeds, parameter_table
@@ -42,9 +24,9 @@ from repro.settings import metric_settings, signal_settings
 from repro.signals.dct import spectrum
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 
-_table = partial(table, category=EXPERIMENT)
+_table = partial(table, category="Experiment (simulated)")
 _of_runs = partial(_table, inputs=("arm",))
-_figure = partial(figure, category=EXPERIMENT, sections=ARM)
+_figure = partial(figure, category="Experiment (simulated)", sections=ARM)
 
 #: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
 SHOWN = ("algorithm1+refinement", "least-squares")
@@ -73,31 +55,28 @@ def _estimates(inputs: Inputs) -> dict[str, Array]:
     return shown_estimates(read_identifications(inputs["identifications"]), read_scores(inputs["scores"], SCORES))
 
 
-def control_layout(frame: pd.DataFrame) -> Table:
-    """Constants of the embedded system and how well the position follows (Table 8)."""
-    columns: list[Column] = [
+@_table(
+    "Position control of the board",
+    layout(
+        "Constants of the simulated board and similarity of the desired and the simulated position on the "
+        "identification trajectory. Kv is for the change of position over one sample.",
         ("Joint", "l", lambda row: formula(f"q{row['joint']}")),
         ("metr2ev (%)", "r", digits("total", 2, 100.0)),
         (with_unit(Text("$K_{p}$", "Kp"), "N m/rad"), "r", digits("kp", 4)),
         (with_unit(Text("$K_{v}$", "Kv"), "N m/rad"), "r", digits("kv", 4)),
         (Text(r"$f_{\mathrm{PWM}}$~(kHz)", "f PWM (kHz)"), "r", digits("pwm_khz", 0)),
         (with_unit(Text("$c_{f}$", "c_f"), "s^2"), "r", lambda row: scientific(row["c_f"], 0)),
-    ]
-    caption = (
-        "Constants of the simulated board and similarity of the desired and the simulated position on the "
-        "identification trajectory. Kv is for the change of position over one sample."
-    )
-    return grid(caption, columns, [(None, frame)])
-
-
-@_table(8, "Position control of the board", control_layout, inputs=("ID",), sections=(*ARM, "metric"))
+    ),
+    inputs=("ID",),
+    sections=(*ARM, "metric"),
+)
 def table08(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Constants of the simulated board and similarity of the desired and the simulated position on the identification
     trajectory (Table 8).
     """
-    (recording,) = read_recordings(inputs["captures"], config)
+    (recording,) = experiment.read_recordings(inputs["captures"], config)
     tracked = tracking(recording, metric_settings(config))
-    control, c_f = control_constants(config), config["signals"]["filter_coefficient"]
+    control, c_f = experiment.control_constants(config), config["signals"]["filter_coefficient"]
     pwm_khz = np.array(control.pwm_hz) / 1e3
     constants = tracked.drop(columns="seed").assign(total_sd=0.0, seeds=1, kp=control.kp, kv=control.kv)
     return constants.assign(pwm_khz=pwm_khz, c_f=c_f)
@@ -108,26 +87,21 @@ SIDE_BY_SIDE = ("algorithm1", "algorithm1+refinement", "least-squares")
 
 
 def parameter_layout(frame: pd.DataFrame) -> Table:
-    """Parameters of the simulated arm as identified by each method (Table 9)."""
+    """Lay out parameters of the arm, methods side by side."""
+    names, cells, spread = parameter_cells(frame)
     methods = [method for method in methods_of(frame) if method in SIDE_BY_SIDE]
-    left_out = frame["method"].nunique() - len(methods)
-    repeated = bool((frame["estimate_sd"] > 0).any())
-    found = frame.set_index(["parameter", "method"]).to_dict("index")
     rows = []
-    for name, si in dict(zip(frame["parameter"], frame["unit"], strict=True)).items():
-        of_methods = [found[name, method] for method in methods]
-        cells = [with_unit(formula(name), si), number(float(of_methods[0]["true"]), 4)]
-        for row in of_methods:
-            cells.append(number(float(row["estimate"]), 4, float(row["estimate_sd"]) if repeated else None))
-        rows.append(cells)
-    spread = ", ± the standard deviation over the seeds" if repeated else ""
+    for name, label in names.items():
+        (true, first), *others = (cells[method, CASE, name] for method in methods)
+        rows.append([label, true, first, *(estimate for _, estimate in others)])
+    left_out = frame["method"].nunique() - len(methods)
     rest = f" {left_out} further methods are in the CSV." if left_out else ""
     caption = plain(f"True and identified parameters of the simulated arm: median seed{spread}.{rest}")
     header = [plain("Parameter"), plain("True"), *map(heading_of, methods)]
     return Table(caption, "lr" + "r" * len(methods), header, [(None, rows)])
 
 
-@_of_runs(9, "Parameters of the arm", parameter_layout, trained="claims")
+@_of_runs("Parameters of the arm", parameter_layout, trained="claims")
 def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True parameters of the simulated arm and the parameters identified by each method, median seed (the paper's Table
     9 is an image).
@@ -137,7 +111,7 @@ def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
     return table[table["method"] != "true"].reset_index(drop=True)
 
 
-@_of_runs(10, f"Similarity on the identification run and on {SPAN}", _TABLE_10, trained="claims")
+@_of_runs(f"Similarity on the identification run and on {SPAN}", _TABLE_10, trained="claims")
 def table10(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the torques measured in the simulated experiment and rebuilt from the parameters of each method, on
     the identification trajectory and on the validation motions: the median of the seeds and the spread over the seeds
@@ -146,54 +120,50 @@ def table10(inputs: Inputs, _: Config) -> pd.DataFrame:
     return experiment_table(read_scores(inputs["scores"], SCORES), CASE)
 
 
+#: Conditions for input-to-state stability of Appendix A.
+_CONDITIONS = {
+    "Potential energy (Eq. 17)": "rho lambda_Q^min",
+    "Energy (Eq. 17)": "rho lambda_Q^min lambda_M^min / 2 - (epsilon lambda_M^max)^2 / 4",
+    "Dissipation (Eq. 18)": "rho epsilon lambda_Q^min "
+    "(lambda_H^min - epsilon lambda_M^max + gamma lambda lambda_K^min)",
+    "Rate (Eq. 19)": "lambda_R1^min",
+}
+
+
 def stability_table(estimates: Mapping[str, Array], methods: Sequence[str]) -> pd.DataFrame:
     """Conditions of Appendix A with the parameters of each method."""
-    rows: list[tuple[str, str, str, float, float, bool]] = []
+    rows = []
     for method in methods:
         c = stability_constants(estimates[method])
-        rows += [
-            (method, "Potential energy (Eq. 17)", "rho lambda_Q^min", c.potential, 0.0, c.conditions["potential"]),
-            (
-                method, "Energy (Eq. 17)",
-                "rho lambda_Q^min lambda_M^min / 2 - (epsilon lambda_M^max)^2 / 4",
-                c.energy, 0.0, c.conditions["energy"],
-            ),
-            (
-                method, "Dissipation (Eq. 18)",
-                "rho epsilon lambda_Q^min (lambda_H^min - epsilon lambda_M^max + gamma lambda lambda_K^min)",
-                c.dissipation, c.coupling, c.conditions["dissipation"],
-            ),
-            (method, "Rate (Eq. 19)", "lambda_R1^min", c.r1_min, c.r2_max, c.conditions["rate"]),
-        ]  # fmt: skip
-    return pd.DataFrame(rows, columns=["method", "quantity", "symbol", "value", "bound", "holds"])
+        values = ((c.potential, 0.0), (c.energy, 0.0), (c.dissipation, c.coupling), (c.r1_min, c.r2_max))
+        rows += [(method, *names, *pair) for names, pair in zip(_CONDITIONS.items(), values, strict=True)]
+    table = pd.DataFrame(rows, columns=["method", "quantity", "symbol", "value", "bound"])
+    return table.assign(holds=table["value"] > table["bound"])
 
 
-def stability_layout(frame: pd.DataFrame) -> Table:
-    """Conditions for stability of the appendix with the parameters of each method."""
-    columns: list[Column] = [
+@_of_runs(
+    "Conditions of the appendix",
+    layout(
+        "Conditions for input-to-state stability (appendix) with the parameters identified on the simulated arm; a "
+        "condition holds if its value exceeds its bound.",
         ("Condition", "l", words("quantity")),
         ("Symbol", "l", lambda row: formula(row["symbol"])),
         ("Value", "r", lambda row: scientific(row["value"], 4)),
         ("Bound", "r", lambda row: scientific(row["bound"], 4)),
         ("Holds", "l", lambda row: plain("yes" if row["holds"] else "no")),
-    ]
-    caption = (
-        "Conditions for input-to-state stability (appendix) with the parameters identified on the simulated arm; a "
-        "condition holds if its value exceeds its bound."
-    )
-    return grid(caption, columns, by_method(frame))
-
-
-@_of_runs("stability", "Conditions of the appendix", stability_layout, target="stability", sections=("arm",))
+        blocks=by_method,
+    ),
+    sections=("arm",),
+)
 def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Conditions of the appendix for input-to-state stability with the parameters that each method identified on the
     simulated arm.
     """
-    estimates = {**_estimates(inputs), "appendix": mechanical_parameters(config)}
+    estimates = {**_estimates(inputs), "appendix": experiment.mechanical_parameters(config)}
     return stability_table(estimates, ("algorithm1", *SHOWN, "true", "appendix"))
 
 
-def _panel(recording: Recording, name: str) -> str:
+def _panel(recording: experiment.Recording, name: str) -> str:
     """Name of a panel: on a validation motion it begins with the motion."""
     return name if recording.program.name == CASE else f"{recording.program.name} {name}"
 
@@ -201,34 +171,29 @@ def _panel(recording: Recording, name: str) -> str:
 def _torques(inputs: Inputs, config: Config, in_frequency: bool = False) -> Iterator[Curve]:
     """Torques measured and rebuilt from each shown estimate, or their spectra."""
     signals, estimates = signal_settings(config), _estimates(inputs)
-    for recording in read_recordings(inputs["captures"], config):
+    for recording in experiment.read_recordings(inputs["captures"], config):
         f = recording.regression(signals)
-        series = {"measured": f.tau}
-        for method in SHOWN_ON_ID if recording.program.name == CASE else SHOWN:
-            series[method] = rebuild_torque(f.y, estimates[method])
+        methods = SHOWN_ON_ID if recording.program.name == CASE else SHOWN
+        series = {"measured": f.tau} | {method: rebuild_torque(f.y, estimates[method]) for method in methods}
         n = f.tau.shape[1]
         k = np.arange(n, dtype=np.float64)
         x: Array = k / (2 * n * signals.h) if in_frequency else k * signals.h
-        kept = x <= HIGHEST if in_frequency else np.ones(n, dtype=np.bool_)
+        end = np.count_nonzero(x <= HIGHEST) if in_frequency else n
         for j in (0, 1):
             for name, tau in series.items():
                 y = spectrum(tau[j]) if in_frequency else tau[j]
-                yield _panel(recording, f"torque{j + 1}"), name, x[kept], y[kept]
+                yield _panel(recording, f"torque{j + 1}"), name, x[:end], y[:end]
 
 
 def _motions(inputs: Inputs, config: Config) -> Iterator[Curve]:
     """Desired position and the motion reached."""
     signals = signal_settings(config)
-    for recording in read_recordings(inputs["captures"], config):
+    for recording in experiment.read_recordings(inputs["captures"], config):
         program, f = recording.program, recording.regression(signals)
         desired = program.q[:, program.n1 : program.n2]
         time: Array = signals.h * np.arange(desired.shape[1], dtype=np.float64)
-        for panel, series, x in (
-            ("position", "desired", desired),
-            ("position", "joint", f.q),
-            ("velocity", "joint", f.dq),
-            ("acceleration", "joint", f.ddq),
-        ):
+        reached = zip(MOTION, ("joint",) * 3, (f.q, f.dq, f.ddq), strict=True)
+        for panel, series, x in (("position", "desired", desired), *reached):
             for j in (0, 1):
                 yield _panel(recording, panel), f"{series}{j + 1}", time, x[j]
 
@@ -260,18 +225,16 @@ def draw_identification(frame: pd.DataFrame) -> Figure:
 def draw_paths(frame: pd.DataFrame) -> Figure:
     """Desired and actual paths of the tip on the validation motions (Fig. 21)."""
     curves = curves_of(frame)
-    figure = style.new_figure(style.PAGE, 2.35)
-    panels = figure.subplots(1, len(VALIDATION))
+    figure, panels = style.new_panels(style.PAGE, 2.35, 1, len(VALIDATION))
     for axes, case in zip(panels, VALIDATION, strict=True):
         plot_panel(axes, dict(reversed(curves[case].items())))
         axes.set(title=case, xlabel="$x$ (m)", aspect="equal", adjustable="datalim")
         axes.locator_params(axis="both", nbins=4)
     panels[0].set_ylabel("$y$ (m)")
-    style.legend_above(figure, panels[0], 2, style.SIMULATED)
-    return figure
+    return style.legend_above(figure, panels[0], 2, style.SIMULATED)
 
 
-@_figure(19, "Torques and motion of the identification run", draw_identification, inputs=("ID", "arm"))
+@_figure("Torques and motion of the identification run", draw_identification, inputs=("ID", "arm"))
 def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Simulated experiment on the identification trajectory: the torque measured and the torques rebuilt from the
     parameters of each method, with the position, velocity and acceleration of the joints (Fig. 19).
@@ -279,32 +242,30 @@ def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
     return long_table([*_torques(inputs, config), *_motions(inputs, config)])
 
 
-@_figure(
-    20, "Spectra of the identification run's torques", partial(_spectra, titles=_IDENTIFICATION), inputs=("ID", "arm")
-)
+@_figure("Spectra of the identification run's torques", partial(_spectra, titles=_IDENTIFICATION), inputs=("ID", "arm"))
 def fig20(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 19, simulated experiment (Fig. 20)."""
     return long_table(_torques(inputs, config, in_frequency=True))
 
 
-@_figure(21, f"Paths of the tip in {SPAN}", draw_paths, inputs=("validation",))
+@_figure(f"Paths of the tip in {SPAN}", draw_paths, inputs=("validation",))
 def fig21(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Desired and actual path of the tip on the validation motions of the simulated arm (Fig. 21)."""
-    geometry, parts = program_settings(config).geometry, []
-    for recording in read_recordings(inputs["captures"], config):
+    geometry, parts = experiment.program_settings(config).geometry, []
+    for recording in experiment.read_recordings(inputs["captures"], config):
         for series, q in (("desired", recording.program.q), ("actual", recording.q)):
             tip = forward_kinematics(q, geometry)[1]
             parts.append((recording.program.name, series, tip[0], tip[1]))
     return long_table(parts)
 
 
-@_figure(22, f"Motions of {SPAN}", _draw_motions, inputs=("validation",))
+@_figure(f"Motions of {SPAN}", _draw_motions, inputs=("validation",))
 def fig22(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Position, velocity and acceleration on the validation motions of the simulated arm (Fig. 22)."""
     return long_table(_motions(inputs, config))
 
 
-@_figure(23, f"Torques of {SPAN}", partial(_compare, titles=_VALIDATION), inputs=("validation", "arm"))
+@_figure(f"Torques of {SPAN}", partial(_compare, titles=_VALIDATION), inputs=("validation", "arm"))
 def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of each method
     (Fig. 23).
@@ -313,7 +274,6 @@ def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 
 @_figure(
-    24,
     f"Spectra of the torques of {SPAN}",
     partial(_spectra, titles=_VALIDATION, by_row=True),
     inputs=("validation", "arm"),

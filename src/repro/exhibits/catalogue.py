@@ -3,7 +3,6 @@
 from repro.comparison.tolerances import Tolerances, measured_spread
 from repro.exhibits import (
     arm_experiment,
-    board_design,
     causes,
     many_arms,
     network_training,
@@ -13,25 +12,14 @@ from repro.exhibits import (
     study_results,
     variants,
 )
-from repro.exhibits.declare import CLAIMS, Exhibit, Kind
+from repro.exhibits.declare import Exhibit, Kind
 
-MODULES = (
-    schematics,
-    network_training,
-    numeric_tests,
-    causes,
-    many_arms,
-    arm_experiment,
-    variants,
-    study_results,
-    paper_audit,
-    board_design,
-)  # ours in this order
-
-
+MODULES = (  # ours in this order
+    schematics, network_training, numeric_tests, causes, many_arms, arm_experiment, variants, study_results, paper_audit
+)  # fmt: skip
 _DECLARED = [value for module in MODULES for value in vars(module).values() if isinstance(value, Exhibit)]
 #: Has a section of its own in the report.
-(AUDIT,) = (exhibit for exhibit in _DECLARED if exhibit.category == CLAIMS)
+(AUDIT,) = (exhibit for exhibit in _DECLARED if exhibit.category == "Claims")
 
 
 def _ordered(kind: Kind) -> tuple[Exhibit, ...]:

@@ -9,18 +9,18 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.exhibits import style
-from repro.exhibits.declare import ABLATION, EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import EMPTY, Column, Table, Text, digits, grid, number, plain
+from repro.exhibits.declare import Inputs, figure, table
+from repro.exhibits.markup import Cell, Table, Text, digits, layout, number, plain
 from repro.files import read_csv
 from repro.pipeline.factorial import COLUMNS, cell_means, effects
 from repro.pipeline.identifications import CASE, SCORES, read_scores
 from repro.pipeline.job import Config
 
 _why_table, _why_figure = (
-    partial(kind, category=EXPERIMENT, inputs=("arm",), trained="all") for kind in (table, figure)
+    partial(kind, category="Experiment (simulated)", inputs=("arm",), trained="all") for kind in (table, figure)
 )
 _factorial_table, _factorial_figure = (
-    partial(kind, category=ABLATION, inputs=("factorial",), trained="all", optional=True) for kind in (table, figure)
+    partial(kind, category="Ablation", inputs=("factorial",), trained="all", optional=True) for kind in (table, figure)
 )
 
 #: Variants of Algorithm 1 by the motions of their training and the motion of line 18.
@@ -30,28 +30,20 @@ CAUSES = {
     "algorithm1+tracked-measured": ("tracked", "measured"),
     "algorithm1+tracked": ("tracked", "desired"),
 }
-#: Weights of the four cells, in this order, in each effect.
-_EFFECT_WEIGHTS = {
-    "image_motion": (-0.5, 0.5, -0.5, 0.5),
-    "training": (-0.5, -0.5, 0.5, 0.5),
-    "both": (0.5, -0.5, -0.5, 0.5),
+#: Each effect in words, and the weights of the four cells in this order.
+_EFFECTS = {
+    "image_motion": ("desired instead of measured motion in line 18", (-0.5, 0.5, -0.5, 0.5)),
+    "training": ("closed-loop motions instead of Eq. 10 in training", (-0.5, -0.5, 0.5, 0.5)),
+    "both": ("interaction (half the difference of the differences)", (0.5, -0.5, -0.5, 0.5)),
 }
-#: Levels of the two factors, and effects, in words.
+#: Levels of the two factors in words.
 _TRAINING = {"ideal": "Eq. 10", "tracked": "closed-loop motions"}
 _MOTIONS = ("measured", "desired")
-_EFFECT_TEXTS = {
-    "image_motion": "desired instead of measured motion in line 18",
-    "training": "closed-loop motions instead of Eq. 10 in training",
-    "both": "interaction (half the difference of the differences)",
-}
 RESPONSES = {"id": "ID", "validation": "T1 to T4"}
 
 
 def crossed(scores: pd.DataFrame) -> pd.DataFrame:
-    """Mean total of each seed in the four cells.
-
-    Columns ``training, image_motion, seed, response, value``, the response being ``id`` or ``validation``.
-    """
+    """Mean total of each seed in the four cells: columns ``training, image_motion, seed, response, value``."""
     of_causes = scores[scores["method"].isin(CAUSES)]
     on_id = of_causes["case"].eq(CASE).map({True: "id", False: "validation"}).rename("response")
     means = of_causes.groupby(["method", "seed", on_id])["total"].mean().rename("value").reset_index()
@@ -59,15 +51,12 @@ def crossed(scores: pd.DataFrame) -> pd.DataFrame:
     return pd.concat([levels, means[["seed", "response", "value"]]], axis=1)
 
 
-def why_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """Mean and spread over the seeds of the four cells and of the effects, from `crossed`.
-
-    Columns ``row, training, image_motion, response, value, spread, seeds``; an effect has its name under ``training``.
-    """
+def cells_and_effects(cells: pd.DataFrame) -> pd.DataFrame:
+    """Mean and spread over the seeds of the cells of `crossed` and of the effects, named under ``training``."""
     values = cells.pivot(index=["response", "seed"], columns=["training", "image_motion"], values="value")
     values = values[list(CAUSES.values())]
     table: dict[tuple[str, ...], Any] = {("cell", *cell): values[cell] for cell in values.columns}
-    table |= {("effect", name, ""): values @ np.array(weights) for name, weights in _EFFECT_WEIGHTS.items()}
+    table |= {("effect", name, ""): values @ np.array(weights) for name, (_, weights) in _EFFECTS.items()}
     rows = [
         (*row, response, of_seeds.mean(), of_seeds.std(ddof=1), len(of_seeds))
         for row, own in table.items()
@@ -79,12 +68,12 @@ def why_table(cells: pd.DataFrame) -> pd.DataFrame:
 
 def why_layout(frame: pd.DataFrame) -> Table:
     """Similarity in the four cells, then the effects."""
-    blocks = []
+    levels, blocks = _TRAINING | {name: text for name, (text, _) in _EFFECTS.items()}, []
     for heading, kind in (("Mean total of both joints (%)", "cell"), ("Effect (points)", "effect")):
         cells: dict[tuple[str, str], list[Text]] = {}
         own = frame[frame["row"] == kind].fillna({"image_motion": ""})  # an effect has none, which a CSV leaves empty
         for row in own.sort_values("response", kind="stable").to_dict("records"):
-            key = ({**_TRAINING, **_EFFECT_TEXTS}[row["training"]], row["image_motion"])
+            key = (levels[row["training"]], row["image_motion"])
             cells.setdefault(key, [*map(plain, key)]).append(number(100.0 * row["value"], 1, 100.0 * row["spread"]))
         blocks.append((plain(heading), list(cells.values())))
     seeds = int(frame["seeds"].min())
@@ -98,8 +87,7 @@ def why_layout(frame: pd.DataFrame) -> Table:
 
 def draw_why(frame: pd.DataFrame) -> Figure:
     """Mean total against the motion of line 18, a line for each kind of training: every seed a mark."""
-    drawn = style.new_figure(style.COLUMN, 2.6)
-    panels = drawn.subplots(1, 2, sharey=True)
+    drawn, panels = style.new_panels(style.COLUMN, 2.6, 1, 2, sharey=True)
     looks = {"ideal": "algorithm1", "tracked": "algorithm1+tracked"}
     for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
         for training, look in looks.items():
@@ -109,24 +97,21 @@ def draw_why(frame: pd.DataFrame) -> Figure:
             axes.plot(at, 100.0 * rows["value"], ls="none", color=colour, alpha=0.55, **style.MARKS[look])
             middle = rows.groupby("image_motion")["value"].mean().reindex(list(_MOTIONS))
             axes.plot([0, 1], 100.0 * middle, label=f"trained on {_TRAINING[training]}", **style.STROKES[look])
-        axes.set_title(title)
         axes.set_xticks([0, 1], labels=[f"f of line 18\non {name} motion" for name in _MOTIONS])
-        axes.set_xlim(-0.3, 1.3)
-        axes.set_ylabel("Total similarity (%)")
+        axes.set(title=title, xlim=(-0.3, 1.3), ylabel="Total similarity (%)")
         axes.grid(visible=False, axis="x")
-    style.legend_above(drawn, panels[0], 1, style.SIMULATED)
-    return drawn
+    return style.legend_above(drawn, panels[0], 1, style.SIMULATED)
 
 
-@_why_table("why", "Motions of the training and of line 18, crossed", why_layout)
-def why_summary(inputs: Inputs, _: Config) -> pd.DataFrame:
+@_why_table("Motions of the training and of line 18, crossed", why_layout)
+def why_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
     """
-    return why_table(crossed(read_scores(inputs["scores"], SCORES)))
+    return cells_and_effects(crossed(read_scores(inputs["scores"], SCORES)))
 
 
-@_why_figure("why", "Motions of the training and of line 18, crossed", draw_why)
+@_why_figure("Motions of the training and of line 18, crossed", draw_why)
 def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
@@ -134,7 +119,7 @@ def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     return crossed(read_scores(inputs["scores"], SCORES))
 
 
-FACTORS = {
+_FACTORS = {
     "image_motion": "f on the desired motion",
     "training": "closed-loop training",
     "omega": "omega as DCT index",
@@ -142,8 +127,6 @@ FACTORS = {
     "metric": "energy ratio",
     "reader": "plain network",
 }
-
-
 _CONTRASTS = {
     "cnn": "Algorithm 1 with the image CNN",
     "reader": "Plain network instead of Algorithm 1, over both motions of line 18",
@@ -152,12 +135,12 @@ _CONTRASTS = {
 
 
 def _words(effect: str) -> str:
-    return " x ".join(FACTORS[name] for name in effect.split(" x "))
+    return " x ".join(_FACTORS[name] for name in effect.split(" x "))
 
 
 def _estimate(row: Mapping[Hashable, float], factor: float, decimals: int) -> Text:
     value, low, high = (number(factor * row[name], decimals) for name in ("value", "low", "high"))
-    return value + Text(" [", " [") + low + Text(", ", ", ") + high + Text("]", "]")
+    return value + " [" + low + ", " + high + "]"
 
 
 def effects_layout(frame: pd.DataFrame) -> Table:
@@ -169,7 +152,7 @@ def effects_layout(frame: pd.DataFrame) -> Table:
         names = sorted(dict.fromkeys(rows["effect"]), key=lambda name: -abs(by[name, "validation"]["value"]))
         for name in names:
             points = [_estimate(by[name, response], 100.0, 1) for response in RESPONSES]
-            error = _estimate(by[name, "error"], 1.0, 3) if (name, "error") in by else EMPTY
+            error = _estimate(by[name, "error"], 1.0, 3) if (name, "error") in by else plain("")
             held_out = [number(100.0 * by[name, response]["confirmation"], 1) for response in RESPONSES]
             cells.append([plain(_words(name)), *points, error, *held_out])
         blocks.append((plain(_CONTRASTS[str(of)]), cells))
@@ -198,60 +181,39 @@ _LEVELS = {
 }
 
 
-def _level(column: str, row: Mapping[Hashable, Any]) -> Text:
-    level = row[column]
-    return EMPTY if pd.isna(level) else plain(_LEVELS.get(level, str(level)))
-
-
-def cells_layout(frame: pd.DataFrame) -> Table:
-    """Means of the cells."""
-    names = ("Reader", "Trained on", "f on", "omega", "Back-EMF", "Time factor")
-    factors = ("reader", "training", "image_motion", "omega", "back_emf", "metric")
-    columns: list[Column] = [
-        *((name, "l", partial(_level, column)) for name, column in zip(names, factors, strict=True)),
-        ("ID", "r", digits("id", 1, 100.0)),
-        ("T1 to T4", "r", digits("validation", 1, 100.0)),
-        ("Error", "r", digits("error", 3)),
-        ("Met", "r", digits("met", 1)),
-    ]
-    caption = (
-        "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
-        "estimates over the largest torque, and executions of 100 that met the threshold."
-    )
-    return grid(caption, columns, [(None, frame)])
+def _level(factor: str) -> Cell:
+    """Cells of a factor's levels, empty where it has none."""
+    return lambda row: plain("" if pd.isna(row[factor]) else _LEVELS.get(row[factor], str(row[factor])))
 
 
 def draw_effects(frame: pd.DataFrame) -> Figure:
     """Effects on T1 to T4 and on ID with their intervals, and the frozen arm's."""
-    rows = frame[frame["response"].isin(["id", "validation"]) & frame["of"].isin(["cnn", "reader"])]
-    label = rows["effect"].map(_words)
-    order = rows[rows["response"] == "validation"].assign(label=label, size=lambda f: f["value"].abs())
-    names = list(dict.fromkeys(order.sort_values("size", ascending=False)["label"]))
-    drawn = style.new_figure(style.PAGE, 0.9 + 0.17 * len(names))
-    panels = drawn.subplots(1, 2, sharey=True)
+    rows = frame[frame["response"].isin(list(RESPONSES)) & frame["of"].isin(["cnn", "reader"])]
+    rows = rows.assign(label=rows["effect"].map(_words))
+    order = rows[rows["response"] == "validation"].sort_values("value", key=abs, ascending=False)
+    names = list(dict.fromkeys(order["label"]))
+    drawn, panels = style.new_panels(style.PAGE, 0.9 + 0.17 * len(names), 1, 2, sharey=True)
     blocks = f"{frame['blocks'].min()} blocks"
-    for axes, response in zip(panels, ("id", "validation"), strict=True):
-        own = rows[rows["response"] == response].assign(label=label)
+    for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
+        own = rows[rows["response"] == response]
         at = own["label"].map(names.index).to_numpy()
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
         axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=blocks)
         frozen = {"marker": "D", "ms": 3.2, "mfc": "white", "mec": "#d1490a", "label": "frozen arm"}
         axes.plot(100.0 * own["confirmation"], at, ls="none", **frozen)
         axes.axvline(0.0, color="0.6", lw=0.6)
-        axes.set_title(RESPONSES[response])
-        axes.set_xlabel("Effect (points of per cent)")
+        axes.set(title=title, xlabel="Effect (points of per cent)")
         axes.grid(visible=False, axis="y")
     panels[0].set_yticks(range(len(names)), labels=names)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
-    style.legend_above(drawn, panels[0], 2, style.SIMULATED)
-    return drawn
+    return style.legend_above(drawn, panels[0], 2, style.SIMULATED)
 
 
 def _factorial(inputs: Inputs) -> pd.DataFrame:
     return pd.concat([read_csv(path, COLUMNS) for path in inputs["scores"]], ignore_index=True)
 
 
-@_factorial_table("factorial", "Effects of the causes", effects_layout)
+@_factorial_table("Effects of the causes", effects_layout)
 def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.
@@ -260,18 +222,29 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 @_factorial_table(
-    "factorial_cells",
     "Similarities under each combination of the causes",
-    cells_layout,
+    layout(
+        "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
+        "estimates over the largest torque, and executions of 100 that met the threshold.",
+        ("Reader", "l", _level("reader")),
+        ("Trained on", "l", _level("training")),
+        ("f on", "l", _level("image_motion")),
+        ("omega", "l", _level("omega")),
+        ("Back-EMF", "l", _level("back_emf")),
+        ("Time factor", "l", _level("metric")),
+        ("ID", "r", digits("id", 1, 100.0)),
+        ("T1 to T4", "r", digits("validation", 1, 100.0)),
+        ("Error", "r", digits("error", 3)),
+        ("Met", "r", digits("met", 1)),
+    ),
     label="Factorial, cells",
-    target="factorial_cells",
 )
 def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Mean similarity on simulated arms under each combination of the causes, with methods that need no network."""
     return cell_means(_factorial(inputs), read_csv(inputs["references"][0]))
 
 
-@_factorial_figure("factorial", "Effects of the causes", draw_effects)
+@_factorial_figure("Effects of the causes", draw_effects)
 def factorial_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
     blocks and training seeds, and the same effects on an arm that was frozen before.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Literal, cast
+from typing import Literal
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -21,14 +21,15 @@ Inputs = Mapping[str, Sequence[Path]]
 
 Kind = Literal["table", "figure"]
 Numbers = Callable[[Inputs, Config], pd.DataFrame]
-Layout = Callable[[pd.DataFrame], Table]
-Drawing = Callable[[pd.DataFrame], Figure]
+Drawing = Callable[[pd.DataFrame], Table | Figure]
 #: Which floats depend on a network: none, those of a claim about it unless it is of least squares, or all.
 Trained = Literal["no", "claims", "all"]
 
-METHOD, SIGNALS, DATA, MODEL, METRIC = "Method", "Signals", "Data", "Model", "Metric"
-NUMERIC, VALIDATION, ABLATION = "Numeric results", "Numeric validation", "Ablation"
-EXPERIMENT, CLAIMS = "Experiment (simulated)", "Claims"
+#: Chapter of the workflow's own report.
+Category = Literal[
+    "Method", "Signals", "Data", "Model", "Metric", "Numeric results", "Numeric validation", "Ablation",
+    "Experiment (simulated)", "Claims",
+]  # fmt: skip
 
 #: Sections of the configuration that exhibits of the simulated arm depend on.
 ARM = ("signals", "arm", "board", "experiment")
@@ -41,13 +42,13 @@ class Exhibit:
     kind: Kind
     number: int  # in the paper; 0 for an addition of ours
     name: str  # stem of its files
-    target: str  # target of the workflow that makes it, also its anchor in the report
+    target: str  # name of its function, target of the workflow and anchor in the report
     label: str  # what the paper calls it; an addition of ours has a label of its own
     title: str  # what it shows, in a few words
-    category: str  # chapter of the workflow's own report
+    category: Category
     caption: str
     numbers: Numbers
-    draw: Layout | Drawing
+    draw: Drawing
     inputs: tuple[str, ...]  # what its numbers are computed from: keys of SOURCES in `workflow/rules/exhibits.smk`
     sections: tuple[str, ...]  # sections of the configuration that its numbers depend on
     trained: Trained
@@ -56,12 +57,12 @@ class Exhibit:
     @property
     def simulated(self) -> bool:
         """Whether its numbers come from the simulated arm."""
-        return self.category in (EXPERIMENT, ABLATION)
+        return self.category in ("Experiment (simulated)", "Ablation")
 
     @property
     def definition(self) -> str:
         """Where it is declared, ``package.module:name``."""
-        return f"{self.numbers.__module__}:{self.numbers.__name__}"
+        return f"{self.numbers.__module__}:{self.target}"
 
 
 Declaration = Callable[[Numbers], Exhibit]
@@ -69,29 +70,26 @@ Declaration = Callable[[Numbers], Exhibit]
 
 def _declare(
     kind: Kind,
-    which: int | str,
     title: str,
-    draw: Layout | Drawing,
+    draw: Drawing,
     *,
-    category: str,
+    category: Category,
     inputs: tuple[str, ...] = (),
     sections: tuple[str, ...] = (),
     trained: Trained = "no",
     optional: bool = False,
     label: str = "",
-    target: str = "",
 ) -> Declaration:
-    """Declare the decorated function as the numbers of an exhibit, and its docstring as the caption."""
-    if isinstance(which, int):  # an exhibit of the paper has a number, an addition of ours a name
-        number, name, label = which, f"{kind.removesuffix('ure')}{which:02d}", f"{kind.capitalize()} {which}"
-        target = name
-    else:
-        number, name, label = 0, which, label or which.replace("_", " ").capitalize()
-        target = target or f"{which}_{kind}"
+    """Declare a function as the numbers of an exhibit: its name is the target, its docstring the caption."""
 
     def declared(numbers: Numbers) -> Exhibit:
+        target = numbers.__name__
+        name = target.removesuffix(f"_{kind}")
+        digits = name[-2:]  # of an exhibit of the paper
+        number = int(digits) if digits.isdigit() else 0
+        called = f"{kind.capitalize()} {number}" if number else label or name.replace("_", " ").capitalize()
         caption = " ".join((numbers.__doc__ or "").split())
-        shown = (number, name, target, label, title, category, caption)
+        shown = (number, name, target, called, title, category, caption)
         return Exhibit(kind, *shown, numbers, draw, inputs, sections, trained, optional)
 
     return declared
@@ -115,13 +113,21 @@ def make_exhibits(
 def make_exhibit(exhibit: Exhibit, inputs: Inputs, out: Mapping[str, Path], config: Config) -> None:
     """Write an exhibit's tidy table, then its TeX and Markdown, or its PDF and PNG."""
     write_csv(out["csv"], exhibit.numbers(inputs, config))
-    if exhibit.kind == "table":
-        lay_out(exhibit, out["csv"], out["tex"], out["md"])
-    else:
-        draw(exhibit, out["csv"], out["pdf"], out["png"])
+    show(exhibit, out)
 
 
-def shown(exhibit: Exhibit, csv_path: Path) -> Table | Figure:
+def show(exhibit: Exhibit, out: Mapping[str, Path]) -> None:
+    """Write TeX and Markdown of a table, or PDF and PNG of a figure, from its CSV, with the same bytes each time."""
+    with style.house_style():
+        shown = read_shown(exhibit, out["csv"])
+        if isinstance(shown, Table):
+            write_text(out["tex"], shown.tex(f"tab:{exhibit.name}"))
+            write_text(out["md"], shown.md(exhibit.label))
+        else:
+            style.save(shown, exhibit.name, out["pdf"], out["png"])
+
+
+def read_shown(exhibit: Exhibit, csv_path: Path) -> Table | Figure:
     """A table laid out, or a figure drawn, from its CSV."""
     frame = read_csv(csv_path)
     try:
@@ -130,16 +136,3 @@ def shown(exhibit: Exhibit, csv_path: Path) -> Table | Figure:
         raise InputError(f"{csv_path}: {error}") from error
     except KeyError as error:  # of another version
         raise InputError.at(str(csv_path), f"no {error}", "the columns and names that this version writes") from error
-
-
-def lay_out(exhibit: Exhibit, csv_path: Path, tex_path: Path, md_path: Path) -> None:
-    """Write a table from its CSV as a LaTeX table environment and as Markdown."""
-    table = cast("Table", shown(exhibit, csv_path))
-    write_text(tex_path, table.tex(f"tab:{exhibit.name}"))
-    write_text(md_path, table.md(exhibit.label))
-
-
-def draw(exhibit: Exhibit, csv_path: Path, pdf_path: Path, png_path: Path) -> None:
-    """Draw a figure from its CSV; the same CSV gives the same bytes."""
-    with style.house_style():
-        style.save(cast("Figure", shown(exhibit, csv_path)), exhibit.name, pdf_path, png_path)

@@ -1,8 +1,6 @@
 """Many simulated arms: coverage of the network's intervals, spread of the similarity, verdict on the methods."""
 
-from collections.abc import Hashable, Mapping
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from repro.exhibits import style
-from repro.exhibits.declare import EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import Block, Column, Table, Text, digits, formula, grid, number, plain, with_unit, words
-from repro.exhibits.result_tables import heading_of, methods_of
+from repro.exhibits.declare import Inputs, figure, table
+from repro.exhibits.markup import Block, Column, Table, digits, formula, grid, number, plain, with_unit, words
+from repro.exhibits.panels import plot_deviation
+from repro.exhibits.result_tables import heading_of, methods_of, percent_interval
 from repro.files import read_csv
 from repro.identification.method import BASELINES
 from repro.model.parameters import NAMES, UNITS
@@ -20,7 +19,7 @@ from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
 
-_table, _figure = (partial(kind, category=EXPERIMENT, trained="all") for kind in (table, figure))
+_table, _figure = (partial(kind, category="Experiment (simulated)", trained="all") for kind in (table, figure))
 
 RANKS = ("arms", "parameter", "level", "number", "known", "raw", "calibrated")
 COVERAGE = ("arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction", "warned")
@@ -38,10 +37,8 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
     heads = [f"{100 * level:g}" for level in levels]
     wide = frame.pivot(index="parameter", columns=["arms", "level"]).loc[[*NAMES, TOGETHER]].rename_axis("name")
     last = ("unmodelled", levels[-1])
+    gain = ("contraction", *last)
     shown = (("Guesses", "raw", "unmodelled"), *((name, "calibrated", arms) for arms, name in ARMS.items()))
-
-    def contraction(row: Mapping[Hashable, Any]) -> Text:
-        return plain("none") if row[("contraction", *last)] <= 0 else digits(("contraction", *last), 2)(row)
 
     columns: list[Column] = [
         ("Parameter", "l", lambda row: (formula if row["name"] in NAMES else plain)(row["name"])),
@@ -51,7 +48,7 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
             for level, head in zip(levels, heads, strict=True)
         ),
         ("Width", "r", digits(("width", *last), 3)),
-        ("Contraction", "r", contraction),
+        ("Contraction", "r", lambda row: plain("none") if row[gain] <= 0 else digits(gain, 2)(row)),
     ]
     warned = [100.0 * float(frame.loc[frame["arms"] == arms, "warned"].iloc[0]) for arms in ARMS]
     caption = (
@@ -67,7 +64,7 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, [(None, wide.set_axis(wide.columns.to_flat_index(), axis=1).reset_index())])
 
 
-@_table("coverage", "Do the intervals of the network cover", coverage_layout, inputs=("coverage",))
+@_table("Do the intervals of the network cover", coverage_layout, inputs=("coverage",))
 def coverage_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Shares of simulated arms whose true parameters lie in the intervals of the network of closed-loop motions, before
     and after calibration on other arms: on arms of Eq. 1, on arms with unmodelled torque, and on arms of another
@@ -82,7 +79,7 @@ def intervals_layout(frame: pd.DataFrame) -> Table:
         ("Parameter", "l", lambda row: with_unit(formula(row["parameter"]), UNITS[NAMES.index(row["parameter"])])),
         ("True", "r", digits("true", 4)),
         ("Estimate", "r", digits("centre", 4)),
-        ("Interval", "r", lambda row: number(row["low"], 4) + Text(" to ", " to ") + number(row["high"], 4)),
+        ("Interval", "r", lambda row: number(row["low"], 4) + " to " + number(row["high"], 4)),
         ("Covered", "r", lambda row: plain("yes" if row["low"] <= row["true"] <= row["high"] else "no")),
     ]
     caption = (
@@ -93,13 +90,7 @@ def intervals_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, [(None, frame)])
 
 
-@_table(
-    "intervals",
-    "The arm's parameters with the network's intervals",
-    intervals_layout,
-    target="intervals",
-    inputs=("coverage",),
-)
+@_table("The arm's parameters with the network's intervals", intervals_layout, inputs=("coverage",))
 def intervals(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Parameters of the simulated arm with the calibrated intervals of the network of tracked motions, and whether its
     recording is like the training motions.
@@ -113,25 +104,19 @@ def draw_coverage(frame: pd.DataFrame) -> Figure:
     # The arms that are ranked scatter, and so do those that they are ranked among: both samples count (Kolmogorov and
     # Smirnov, two samples). The band contains the whole curve in 95 % of the cases.
     band = 135.8 * np.sqrt(1.0 / chosen["number"].max() + 1.0 / chosen["known"].max())
-    drawn = style.new_figure(style.COLUMN, 3.7)
-    panels = drawn.subplots(3, 3, sharex=True, sharey=True)
+    drawn, panels = style.new_panels(style.COLUMN, 3.7, 3, 3, sharex=True, sharey=True)
     for axes, name in zip(panels.flat, NAMES, strict=True):
         rows = chosen[chosen["parameter"] == name].sort_values("level")
-        level = 100.0 * rows["level"].to_numpy()
         axes.axhspan(-band, band, color=style.FILL_LIGHT, lw=0.0, zorder=0.0)
         for column, (look, label) in _LOOKS.items():
-            stroke = {**style.STROKES[look], "linewidth": 1.0}
-            axes.plot(level, 100.0 * rows[column].to_numpy() - level, label=label, **stroke)
-        axes.set_title(rf"${name[0]}_{name[1]}$")
-        axes.set_xlim(0.0, 100.0)
-        axes.set_xticks([0, 50, 100])
+            plot_deviation(axes, rows["level"], rows[column], look, label)
+        axes.set(title=rf"${name[0]}_{name[1]}$", xlim=(0.0, 100.0), xticks=[0, 50, 100])
     drawn.supxlabel("Level of the interval (%)", fontsize=style.TEXT_SIZE)
     drawn.supylabel("Arms covered minus level (points)", fontsize=style.TEXT_SIZE)
-    style.legend_above(drawn, panels[0, 0], 2, style.SIMULATED)
-    return drawn
+    return style.legend_above(drawn, panels[0, 0], 2, style.SIMULATED)
 
 
-@_figure("coverage", "Levels at which intervals reach the truth", draw_coverage, inputs=("coverage",))
+@_figure("Levels at which intervals reach the truth", draw_coverage, inputs=("coverage",))
 def coverage_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Calibration of the network's intervals on simulated arms with torque beyond Eq. 1: for each level, the share of
     arms whose true parameter the interval covers, minus the level. Dashed or solid lines are the range of the estimates
@@ -157,7 +142,7 @@ def verdict_layout(frame: pd.DataFrame) -> Table:
         ("Identified on", "r", lambda row: plain(f"{row['duration']:.4g} s")),
         ("Arms won", "r", digits("wins", 0)),
         ("Difference", "r", digits("difference", 2, 100.0)),
-        ("Interval", "r", lambda row: plain(f"{100.0 * row['low']:.2f} to {100.0 * row['high']:.2f}")),
+        ("Interval", "r", percent_interval),
         ("p (Holm)", "r", digits("p_holm", 3)),
         ("Conclusion", "l", words("conclusion")),
     ]
@@ -167,8 +152,8 @@ def verdict_layout(frame: pd.DataFrame) -> Table:
     for opponent in dict.fromkeys(frame["opponent"]):
         for name in dict.fromkeys(frame["set"]):
             own = ordered[(ordered["opponent"] == opponent) & (ordered["set"] == name)]
-            arms = Text(" ", " ") + plain(f"({own['arms'].max()} arms, {name})")
-            blocks.append((plain("Against:") + Text(" ", " ") + heading_of(opponent) + arms, own))
+            arms = plain(f"({own['arms'].max()} arms, {name})")
+            blocks.append((plain("Against:") + " " + heading_of(opponent) + " " + arms, own))
     pairs = len(frame[["method", "opponent"]].drop_duplicates())
     caption = (
         f"Algorithm 1 and the field's methods: the mean total over {SPAN} and both joints, paired over simulated arms. "
@@ -180,7 +165,7 @@ def verdict_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, blocks)
 
 
-@_table("verdict", "Algorithm 1 against the field's methods", verdict_layout, target="verdict", inputs=("spread",))
+@_table("Algorithm 1 against the field's methods", verdict_layout, inputs=("spread",))
 def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Algorithm 1, its variants and their control against least squares, plain, bounded and consistent, over many
     specimens of several simulated arms: in how many comparisons (motion and joint) each is better or worse, and by how
@@ -191,19 +176,15 @@ def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 #: Methods of the figure; the literal Algorithm 1 would leave the others on one line.
 DRAWN = ("algorithm1+tracked", "algorithm1+refinement", "least-squares", "bounded", "true")
-#: Published values, each in the colour of its method.
-_PUBLISHED = {f"published {method}": method for method in ("algorithm1", "least-squares")}
 #: Widths in units of one duration's group: all methods together, and the points of one of them.
-_GROUP = 0.8
-_SCATTER = 0.5
+_GROUP, _SCATTER = 0.8, 0.5
 
 
 def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str], durations: list[float]) -> None:
     """Draw each run as a mark, side by side in the order of the seeds, and a bar at the median."""
     step = _GROUP / len(methods)
     for place, method in enumerate(methods):
-        colour = style.STROKES[method]["color"]
-        label = style.SERIES_LABELS[method]
+        colour, label = style.STROKES[method]["color"], style.SERIES_LABELS[method]
         for group, duration in enumerate(durations):
             chosen = runs[(runs["method"] == method) & (runs["duration"] == duration)].sort_values("seed")
             totals = 100.0 * chosen["total"].to_numpy()
@@ -217,41 +198,25 @@ def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str], durations: li
             label = "_"  # one entry in the legend
 
 
-def _plot_published(axes: Axes, known: pd.DataFrame) -> None:
-    """Draw a line across the panel at each published value."""
-    for name, method in _PUBLISHED.items():
-        for total in known["total"][known["method"] == name].to_numpy(dtype=np.float64):
-            stroke = {key: style.STROKES[method][key] for key in ("color", "linestyle")}
-            label = f"{style.SERIES_LABELS[method]}, published (real arm)"
-            axes.axhline(100.0 * total, lw=0.9, label=label, zorder=0.5, **stroke)
-
-
 def draw_spread(frame: pd.DataFrame) -> Figure:
     """Total similarity of every run of the experiment, by motion, joint, method and ID duration."""
-    is_published = frame["method"].isin(list(_PUBLISHED))
-    runs, published = frame[~is_published], frame[is_published]
-    methods = [name for name in style.METHODS if name in set(runs["method"])]
-    durations = sorted(set(runs["duration"]))
-    figure = style.new_figure(style.PAGE, 4.2)
-    grid = figure.subplots(2, len(PROGRAMS), sharex=True)
+    methods = [name for name in style.METHODS if name in set(frame["method"])]
+    durations = sorted(set(frame["duration"]))
+    figure, grid = style.new_panels(style.PAGE, 4.2, 2, len(PROGRAMS), sharex=True)
     for row, joint in zip(grid, (1, 2), strict=True):
         for axes, case in zip(row, PROGRAMS, strict=True):
-            _plot_runs(axes, runs[(runs["case"] == case) & (runs["joint"] == joint)], methods, durations)
-            known = published[(published["case"] == case) & (published["joint"] == joint)]
-            _plot_published(axes, known)
-            axes.set_title(f"{case}, joint {joint}")
+            _plot_runs(axes, frame[(frame["case"] == case) & (frame["joint"] == joint)], methods, durations)
+            axes.set(title=f"{case}, joint {joint}", xlim=(-0.55, len(durations) - 0.45))
             axes.set_xticks(range(len(durations)), labels=[f"{value:.3g}" for value in durations])
-            axes.set_xlim(-0.55, len(durations) - 0.45)
             axes.grid(visible=False, axis="x")
             style.few_ticks(axes)
         row[0].set_ylabel("Total similarity (%)")
     figure.supxlabel("Duration of the identification trajectory (s)", fontsize=style.TEXT_SIZE)
     figure.align_ylabels()
-    style.legend_above(figure, grid[0, 0], 3, style.SIMULATED)
-    return figure
+    return style.legend_above(figure, grid[0, 0], 3, style.SIMULATED)
 
 
-@_figure("spread", "Similarity over many simulated arms", draw_spread, inputs=("spread",))
+@_figure("Similarity over many simulated arms", draw_spread, inputs=("spread",))
 def spread_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Total similarity of every run of the simulated experiment, by motion, joint, method and duration of the
     identification trajectory; the bars are the medians over the seeds.

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from html import unescape
 from typing import Any, Final
 
 import pandas as pd
@@ -12,39 +13,19 @@ PAGE: Final = 7.16
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 _DASH = "\N{EN DASH}"
-_TEX_SPECIAL = {
-    "\\": r"\textbackslash{}",
-    "{": r"\{",
-    "}": r"\}",
-    "$": r"\$",
-    "&": r"\&",
-    "%": r"\%",
-    "#": r"\#",
-    "_": r"\_",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": r"\textless{}",
-    ">": r"\textgreater{}",
-    "|": r"\textbar{}",
-    "±": r"$\pm$",
-    _DASH: "--",
-    TIMES: r"$\times$",
-}
+_TEX_WORDS = {"\\": "backslash", "~": "asciitilde", "^": "asciicircum", "<": "less", ">": "greater", "|": "bar"}
+_TEX_SPECIAL = str.maketrans(
+    {sign: f"\\{sign}" for sign in "{}$&%#_"}
+    | {sign: f"\\text{word}{{}}" for sign, word in _TEX_WORDS.items()}
+    | {"±": r"$\pm$", _DASH: "--", TIMES: r"$\times$"}
+)
 _TEX_MATHS = {" ": r"\,", "*": r"\cdot ", "|": r"\vert ", "<": "<", ">": ">", "^": r"\hat{}", "~": r"\sim "}
 _MD_SPECIAL = re.compile(r"([\\`*_|<>\[\]])")
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _GREEK = {
-    "alpha": "\N{GREEK SMALL LETTER ALPHA}",
-    "beta": "β",
-    "epsilon": "ε",
-    "rho": "\N{GREEK SMALL LETTER RHO}",
-    "gamma": "\N{GREEK SMALL LETTER GAMMA}",
-    "lambda": "λ",
-    "pi": "π",
-    "omega": "ω",
-    "psi": "ψ",
-    "tau": "τ",
+    name: unescape(f"&{name};")
+    for name in ("alpha", "beta", "epsilon", "rho", "gamma", "lambda", "pi", "omega", "psi", "tau")
 }
 
 #: A formula is read as numbers, names (letters, then perhaps an index), powers, subscripts, and whatever else.
@@ -62,9 +43,13 @@ class Text:
     tex: str
     md: str
 
-    def __add__(self, other: "Text") -> "Text":
-        """Join two pieces."""
-        return Text(self.tex + other.tex, self.md + other.md)
+    def __add__(self, other: "Text | str") -> "Text":
+        """Append a piece, or signs that are the same in both."""
+        return (
+            Text(self.tex + other, self.md + other)
+            if isinstance(other, str)
+            else Text(self.tex + other.tex, self.md + other.md)
+        )
 
     @property
     def bare(self) -> str:
@@ -72,13 +57,10 @@ class Text:
         return re.sub(r"\\(.)", r"\1", self.md)
 
 
-EMPTY = Text("", "")
-
-
 def plain(text: str) -> Text:
     """Ordinary text, with every special character escaped; ``100 x 2`` becomes a product."""
-    text = _PRODUCT.sub(TIMES, " ".join(text.split()))
-    return Text("".join(_TEX_SPECIAL.get(c, c) for c in text), _MD_SPECIAL.sub(r"\\\1", text))
+    text = _PRODUCT.sub(TIMES, re.sub(r"\s+", " ", text))
+    return Text(text.translate(_TEX_SPECIAL), _MD_SPECIAL.sub(r"\\\1", text))
 
 
 def formula(text: str) -> Text:
@@ -91,28 +73,27 @@ def formula(text: str) -> Text:
     for place, sign in enumerate(text):
         brackets += (sign == "(") - (sign == ")")
         if sign == "," and brackets == 0:
-            return formula(text[:place]) + Text(", ", ", ") + plain(text[place + 1 :])
-    tex, md = [], []
-    for token in _FORMULA.finditer(text):
-        name, index, power = token["name"], token["index"], token["power"]
-        if power:
-            tex.append(f"^{{\\{power}}}" if power in ("min", "max") else f"^{{{power}}}")
-            md.append(power.translate(SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
-        elif token["below"]:
-            tex.append(f"_{{{token['below']}}}")
-            md.append(token["below"].translate(_SUBSCRIPTS))
-        elif name:
-            tex.append(_tex_name(name, index))
-            md.append(_GREEK.get(name, name) + index.translate(_SUBSCRIPTS))
-        elif token["other"]:
-            other = plain(token["other"]) if token["other"].strip() else EMPTY
-            tex.append(_TEX_MATHS.get(token["other"], other.tex))
-            md.append("·" if token["other"] == "*" else other.md or " ")
-        else:
-            tex.append(token["number"])
-            md.append(token["number"])
-    spaced = re.sub(r"\\,([-+=])\\,", r" \1 ", "".join(tex))  # LaTeX spaces operators itself
-    return Text(f"${spaced}$", "".join(md))
+            return formula(text[:place]) + ", " + plain(text[place + 1 :].strip())
+    pieces = [_piece(token) for token in _FORMULA.finditer(text)]
+    # LaTeX spaces operators itself
+    tex = re.sub(r"\\,([-+=])\\,", r" \1 ", "".join(piece.tex for piece in pieces))
+    return Text(f"${tex}$", "".join(piece.md for piece in pieces))
+
+
+def _piece(token: re.Match[str]) -> Text:
+    """What a token of a formula becomes."""
+    name, index, power, below, other = token.group("name", "index", "power", "below", "other")
+    if power:
+        tex = f"\\{power}" if power in ("min", "max") else power
+        return Text(f"^{{{tex}}}", power.translate(SUPERSCRIPTS) if re.fullmatch(r"-?\d+", power) else f"^{power}")
+    if below:
+        return Text(f"_{{{below}}}", below.translate(_SUBSCRIPTS))
+    if name:
+        return Text(_tex_name(name, index), _GREEK.get(name, name) + index.translate(_SUBSCRIPTS))
+    if other:
+        escaped = plain(other)
+        return Text(_TEX_MATHS.get(other, escaped.tex), "·" if other == "*" else escaped.md or " ")
+    return Text(token[0], token[0])
 
 
 def _tex_name(name: str, index: str) -> str:
@@ -135,7 +116,7 @@ def unit(text: str) -> Text:
 
 def with_unit(name: Text, si: str) -> Text:
     """Name of a column with its unit in brackets."""
-    return name + Text("~(", " (") + unit(si) + plain(")")
+    return name + Text("~(", " (") + unit(si) + ")"
 
 
 def number(value: float, decimals: int, spread: float | None = None) -> Text:
@@ -151,9 +132,8 @@ def scientific(value: float, decimals: int) -> Text:
     if value == 0.0:
         return Text("$0$", "0")
     digits, power = f"{value:.{decimals}e}".split("e")
-    return Text(
-        f"${digits} \\times 10^{{{int(power)}}}$", f"{digits}{TIMES}10{str(int(power)).translate(SUPERSCRIPTS)}"
-    )
+    exponent = str(int(power))
+    return Text(f"${digits} \\times 10^{{{exponent}}}$", f"{digits}{TIMES}10{exponent.translate(SUPERSCRIPTS)}")
 
 
 #: Gap between two columns of a long table, pt; points in an inch.
@@ -184,20 +164,20 @@ class Table:
             r"\smallskip\setlength{\tabcolsep}{4.5pt}",
             f"\\begin{{tabular}}{{@{{}}{self.alignment}@{{}}}}",
             r"\toprule",
-            tex_row(self.header),
+            _tex_row(self.header),
         ]
         for heading, rows in self.blocks:
             lines.append(r"\midrule")
             if heading is not None:
                 lines += [f"\\multicolumn{{{len(self.alignment)}}}{{l}}{{\\textit{{{heading.tex}}}}} \\\\", r"\midrule"]
-            lines += map(tex_row, rows)
+            lines += map(_tex_row, rows)
         return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", r"\end{table*}", ""])
 
     def _long_tex(self, label: str) -> str:
         """LaTeX that goes on over pages, `PAGE` wide; needs array, booktabs and longtable, and text in one column."""
         room = PAGE - (len(self.shares) - 1) * _COLUMN_GAP / _POINTS
         columns = "".join(f">{{\\raggedright\\arraybackslash}}p{{{share * room:.3f}in}}" for share in self.shares)
-        head = [r"\toprule", tex_row(self.header), r"\midrule"]
+        head = [r"\toprule", _tex_row(self.header), r"\midrule"]
         lines = [
             r"\begingroup\footnotesize",
             f"\\setlength{{\\tabcolsep}}{{{_COLUMN_GAP / 2:g}pt}}\\setlength{{\\LTcapwidth}}{{{PAGE}in}}",
@@ -216,7 +196,7 @@ class Table:
             if heading is not None:
                 across = f"\\multicolumn{{{len(self.shares)}}}{{@{{}}l@{{}}}}"
                 lines.append(f"{across}{{\\textit{{{heading.tex}}}}} \\\\*[2pt]")  # the star keeps it with its rows
-            lines += [f"{tex_row(row)}[2pt]" for row in rows]
+            lines += [f"{_tex_row(row)}[2pt]" for row in rows]
         return "\n".join([*lines, r"\end{longtable}", r"\endgroup", ""])
 
     def md(self, title: str) -> str:
@@ -227,13 +207,12 @@ class Table:
         for heading, rows in self.blocks:
             if heading is not None:
                 name = Text("", f"**{heading.md}**")
-                lines.append(_md_row([name, *[EMPTY] * (len(self.alignment) - 1)]))
+                lines.append(_md_row([name, *[plain("")] * (len(self.alignment) - 1)]))
             lines += [_md_row(row) for row in rows]
         return "\n".join([*lines, ""])
 
 
-def tex_row(cells: Sequence[Text]) -> str:
-    """One row in LaTeX."""
+def _tex_row(cells: Sequence[Text]) -> str:
     return " & ".join(cell.tex for cell in cells) + r" \\"
 
 
@@ -255,7 +234,7 @@ def words(column: str) -> Cell:
 
 def digits(column: Hashable, decimals: int, factor: float = 1.0) -> Cell:
     """Cells of numbers times a factor, empty where there is none."""
-    return lambda row: EMPTY if pd.isna(row[column]) else number(factor * row[column], decimals)
+    return lambda row: plain("") if pd.isna(row[column]) else number(factor * row[column], decimals)
 
 
 def several(names: Sequence[str], columns: Sequence[str], decimals: int, factor: float = 1.0) -> list[Column]:
@@ -269,3 +248,12 @@ def grid(caption: str, columns: Sequence[Column], blocks: Iterable[Block]) -> Ta
     laid_out = [(name, [[cell(row) for cell in cells] for row in rows.to_dict("records")]) for name, rows in blocks]
     header = [name if isinstance(name, Text) else plain(name) for name in names]
     return Table(plain(caption), "".join(sides), header, laid_out)
+
+
+def layout(
+    caption: str,
+    *columns: Column,
+    blocks: Callable[[pd.DataFrame], Iterable[Block]] = lambda frame: [(None, frame)],
+) -> Callable[[pd.DataFrame], Table]:
+    """Lay out all rows of a frame in these columns, without headings or in blocks."""
+    return lambda frame: grid(caption, columns, blocks(frame))

@@ -1,6 +1,7 @@
 """The network and its training: Table 3, Figures 7 to 11."""
 
 from collections.abc import Hashable, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +12,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from repro.cnn.architecture import HISTORY_COLUMNS, read_weights
@@ -19,9 +19,9 @@ from repro.cnn.dataset import sample_motion
 from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
 from repro.exhibits import style
-from repro.exhibits.declare import DATA, MODEL, Inputs, figure, table
-from repro.exhibits.markup import Column, Table, grid, words
-from repro.exhibits.panels import JOINTS, TIME, curves_of, long_table, loss_panel, plot_series
+from repro.exhibits.declare import Inputs, figure, table
+from repro.exhibits.markup import layout, words
+from repro.exhibits.panels import JOINTS, TIME, curves_of, draw_losses, long_table, plot_series
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
@@ -31,18 +31,21 @@ from repro.settings import data_settings, network_settings, signal_settings, tra
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
-#: Sections of the configuration that the training data depend on.
-_TRAINING = ("signals", "data", "image", "training")
-
-
-def characteristics(frame: pd.DataFrame) -> Table:
-    """Characteristics of the network (Table 3)."""
-    columns: list[Column] = [("Feature", "l", words("feature")), ("Value", "l", words("value"))]
-    return grid("Characteristics of the convolutional neural network.", columns, [(None, frame)])
+_model = partial(figure, category="Model")
+_training_data = partial(figure, category="Data", sections=("signals", "data", "image", "training"))
+#: Sections of the configuration that the network depends on.
+_NETWORK = ("signals", "network")
 
 
 @table(
-    3, "Characteristics of the network", characteristics, category=MODEL, sections=("signals", "network", "training")
+    "Characteristics of the network",
+    layout(
+        "Characteristics of the convolutional neural network.",
+        ("Feature", "l", words("feature")),
+        ("Value", "l", words("value")),
+    ),
+    category="Model",
+    sections=(*_NETWORK, "training"),
 )
 def table03(_: Inputs, config: Config) -> pd.DataFrame:
     """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
@@ -104,10 +107,8 @@ class _Drawn:
         self.right, self.top = self.left + self.width + self.depth, self.bottom + self.height + self.depth
         for sheet in reversed(range(self.sheets)):
             corner = (self.left + _SHEET * sheet, self.bottom + _SHEET * sheet)
-            look: dict[str, Any] = {"facecolor": _FILLS[layer["kind"]], "edgecolor": style.INK, "lw": 0.4}
-            axes.add_patch(Rectangle(corner, self.width, self.height, **look))
-        sizes = ("height", "width", "channels") if self.is_map else ("channels",)
-        size = style.TIMES.join(str(layer[name]) for name in sizes)
+            axes.add_patch(Rectangle(corner, self.width, self.height, fc=_FILLS[layer["kind"]], ec=style.INK, lw=0.4))
+        size = style.TIMES.join(str(layer[name]) for name in ("height", "width", "channels")[0 if self.is_map else 2 :])
         kernel = layer["kernel"].replace("x", style.TIMES) or style.DASH
         activation = _ACTIVATIONS.get(layer["layer"], style.DASH)
         for row, word in enumerate((layer["layer"], kernel, activation, size, f"{layer['parameters']:,}")):
@@ -125,8 +126,8 @@ def _connect(axes: Axes, before: _Drawn, after: _Drawn, scale: float) -> None:
         for corner in (y, y + height):
             axes.plot((x + width, target[0]), (corner, target[1]), **line)
     else:
-        axes.plot((before.right, after.left), (before.top, after.top), **line)
-        axes.plot((before.right, after.left), (before.bottom + before.depth, after.bottom), **line)
+        for ends in ((before.top, after.top), (before.bottom + before.depth, after.bottom)):
+            axes.plot((before.right, after.left), ends, **line)
 
 
 def draw_network(frame: pd.DataFrame) -> Figure:
@@ -151,7 +152,7 @@ def draw_network(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(7, "Architecture of the CNN", draw_network, category=MODEL, sections=("signals", "network"))
+@_model("Architecture of the CNN", draw_network, sections=_NETWORK)
 def fig07(_: Inputs, config: Config) -> pd.DataFrame:
     """Architecture of the CNN with every size (Fig. 7). The widths of layers 4 and 5 are not in the paper's text; ours
     are in the configuration.
@@ -188,12 +189,11 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
             axes.imshow(pixels, interpolation="none")
             axes.set_title(f"{name})", pad=1.5)
             axes.grid(visible=False)
-            axes.set_xticks((0, pixels.shape[1] - 1))
-            axes.set_yticks((0, pixels.shape[0] - 1))
+            axes.set(xticks=(0, pixels.shape[1] - 1), yticks=(0, pixels.shape[0] - 1))
     return figure
 
 
-@figure(8, "Images of the training data", draw_examples, category=DATA, sections=_TRAINING)
+@_training_data("Images of the training data", draw_examples)
 def fig08(_: Inputs, config: Config) -> pd.DataFrame:
     """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
     range (Fig. 8). Images with the same letter share their torque.
@@ -220,8 +220,7 @@ def fig08(_: Inputs, config: Config) -> pd.DataFrame:
 def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
     """Distribution of the training torques over time (Fig. 9)."""
     curves = curves_of(frame)
-    figure = style.new_figure(style.COLUMN, 3.7)
-    panels = figure.subplots(2, 1, sharex=True, sharey=True)
+    figure, panels = style.new_panels(style.COLUMN, 3.7, 2, 1, sharex=True, sharey=True)
     for axes, joint in zip(panels, JOINTS, strict=True):
         level = curves[joint]
         x = level["p50"][0]
@@ -232,11 +231,10 @@ def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
         axes.set_title(style.SERIES_LABELS[joint])
     figure.supylabel("Torque / largest torque (dimensionless)", fontsize=style.TEXT_SIZE)
     panels[-1].set_xlabel(TIME)
-    style.legend_above(figure, panels[0], 4)
-    return figure
+    return style.legend_above(figure, panels[0], 4)
 
 
-@figure(9, "Distribution of the training torques", draw_torque_distribution, category=DATA, sections=_TRAINING)
+@_training_data("Distribution of the training torques", draw_torque_distribution)
 def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     """Distribution of 10,000 training torques, each divided by its largest magnitude (Fig. 9)."""
     signals, data = signal_settings(config), data_settings(config)
@@ -250,16 +248,12 @@ def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     return long_table((f"joint{j + 1}", name, time, y[j]) for j in (0, 1) for name, y in levels.items())
 
 
-def draw_loss(frame: pd.DataFrame) -> Figure:
-    """Loss on training and test images over the iterations (Fig. 10)."""
-    figure, axes = loss_panel(frame, "Training iteration (steps)", "Loss (dimensionless)")
-    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    axes.xaxis.set_major_locator(MaxNLocator(6))
-    style.legend_above(figure, axes, 2)
-    return figure
-
-
-@figure(10, "Loss over the training", draw_loss, category=MODEL, inputs=("history",), trained="all")
+@_model(
+    "Loss over the training",
+    partial(draw_losses, x_label="Training iteration (steps)", y_label="Loss (dimensionless)", columns=2),
+    inputs=("history",),
+    trained="all",
+)
 def fig10(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Training and held-out loss of the streamed recipe (Fig. 10)."""
     history = read_csv(inputs["history"][0], HISTORY_COLUMNS).astype(np.float64)
@@ -284,16 +278,14 @@ def kernel_spectra(weights: Mapping[str, NDArray[np.floating]]) -> pd.DataFrame:
 
 
 #: Pixels of one kernel in the picture, whatever its size (9, 5 and 3 divide it), and of the gap between two.
-_KERNEL_PIXELS = 45
-_KERNEL_GAP = 6
+_KERNEL_PIXELS, _KERNEL_GAP = 45, 6
 
 
 def _mosaic(power: Array) -> Array:
     """Set the kernels of a layer side by side."""
     height, width = (max(1, round(_KERNEL_PIXELS / k)) for k in power.shape[2:])
-    cells = np.kron(power, np.ones((1, 1, height, width)))
-    half = _KERNEL_GAP // 2
-    cells = np.pad(cells, ((0, 0), (0, 0), (half, half), (half, half)), constant_values=np.nan)
+    gap = (_KERNEL_GAP // 2,) * 2
+    cells = np.pad(np.kron(power, np.ones((1, 1, height, width))), ((0, 0), (0, 0), gap, gap), constant_values=np.nan)
     n_out, n_in, rows, columns = cells.shape
     return np.asarray(cells.transpose(0, 2, 1, 3).reshape(n_out * rows, n_in * columns), dtype=np.float64)
 
@@ -309,8 +301,8 @@ def draw_kernels(frame: pd.DataFrame) -> Figure:
         n_out, n_in, rows, columns = power.shape
         extent = (-0.5, n_in - 0.5, n_out - 0.5, -0.5)
         axes.imshow(_mosaic(power), norm=norm, cmap=style.COLOUR_MAP, interpolation="none", extent=extent)
-        axes.set_title(f"{name}: {rows}{style.TIMES}{columns}")
-        axes.set(xticks=range(n_in), yticks=range(n_out), xlabel="Input map (index)")
+        axes.set(title=f"{name}: {rows}{style.TIMES}{columns}", xlabel="Input map (index)")
+        axes.set(xticks=range(n_in), yticks=range(n_out))
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
         axes.tick_params(length=0)
@@ -321,15 +313,7 @@ def draw_kernels(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(
-    11,
-    "Spectra of the kernels",
-    draw_kernels,
-    category=MODEL,
-    inputs=("weights",),
-    sections=("signals", "network"),
-    trained="all",
-)
+@_model("Spectra of the kernels", draw_kernels, inputs=("weights",), sections=_NETWORK, trained="all")
 def fig11(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Power spectra of the convolution kernels after training, each normalised to its largest value, zero frequency in
     the middle (Fig. 11).

@@ -10,34 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch
 from matplotlib.text import Annotation
-from matplotlib.ticker import EngFormatter
 
 from repro.cnn.architecture import HISTORY_COLUMNS
-from repro.exhibits import style
-from repro.exhibits.declare import (
-    ABLATION,
-    MODEL,
-    NUMERIC,
-    SIGNALS,
-    VALIDATION,
-    Declaration,
-    Inputs,
-    Trained,
-    figure,
-    table,
-)
-from repro.exhibits.markup import Column, Table, formula, grid, unit, words
-from repro.exhibits.panels import (
-    COEFFICIENT,
-    TIME,
-    TORQUE,
-    Curve,
-    compare,
-    curves_of,
-    draw_motion,
-    long_table,
-    loss_panel,
-)
+from repro.exhibits import panels, style
+from repro.exhibits.declare import Declaration, Inputs, Trained, figure, table
+from repro.exhibits.markup import formula, layout, unit, words
 from repro.exhibits.result_tables import parameters, similarities
 from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
@@ -52,21 +29,19 @@ from repro.signals.trajectories import Motion, identification_trajectory
 
 _NUMERIC = ("signals", "numeric")
 _ALL = ("N1", "N2", "N3", "N4")
-_RECIPE = f"with a network trained by the paper's own schedule and with ours; ID and {SPAN} of the simulated arm"
 
 
-def description(frame: pd.DataFrame) -> Table:
-    """Dynamic parameters (Table 2)."""
-    columns: list[Column] = [
+@table(
+    "Dynamic parameters",
+    layout(
+        "Dynamic parameters of the arm.",
         ("Parameter", "l", lambda row: formula(row["parameter"])),
         ("Description", "l", words("description")),
         ("Expression", "l", lambda row: formula(row["expression"])),
         ("Unit", "l", lambda row: unit(row["unit"])),
-    ]
-    return grid("Dynamic parameters of the arm.", columns, [(None, frame)])
-
-
-@table(2, "Dynamic parameters", description, category=MODEL)
+    ),
+    category="Model",
+)
 def table02(_: Inputs, __: Config) -> pd.DataFrame:
     """The nine dynamic parameters, rebuilt from Eq. 1 (the paper's Table 2 is an image)."""
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
@@ -79,14 +54,14 @@ _BOX_ROW = 1.16
 _PANEL_PART = 0.83
 
 
-def _steps(figure: Figure, panels: Sequence[Axes], names: Sequence[str], operations: Sequence[str]) -> None:
+def _steps(figure: Figure, axes: Sequence[Axes], names: Sequence[str], operations: Sequence[str]) -> None:
     """Name what each panel shows in a box above it; arrows lead from box to box, each with its operation above it."""
     place: dict[str, Any] = {"xycoords": "axes fraction", "ha": "center", "va": "center"}
     look = {"boxstyle": "round,pad=0.35", "facecolor": style.FILL_LIGHT, "edgecolor": style.INK, "linewidth": 0.6}
     middle = (0.5, _BOX_ROW)
-    boxes = [axes.annotate(name, middle, bbox=look, **place) for axes, name in zip(panels, names, strict=True)]
+    boxes = [panel.annotate(name, middle, bbox=look, **place) for panel, name in zip(axes, names, strict=True)]
     for k, operation in enumerate(operations):
-        ends: dict[str, Any] = {"axesA": panels[k], "axesB": panels[k + 1], "arrowstyle": "-|>", "mutation_scale": 8}
+        ends: dict[str, Any] = {"axesA": axes[k], "axesB": axes[k + 1], "arrowstyle": "-|>", "mutation_scale": 8}
         ends |= {"patchA": boxes[k].get_bbox_patch(), "patchB": boxes[k + 1].get_bbox_patch()}
         arrow = ConnectionPatch(middle, middle, "axes fraction", linewidth=0.9, color=style.INK, **ends)
         above: dict[str, Any] = {"xycoords": arrow, "textcoords": "offset points", "ha": "center"}
@@ -99,7 +74,7 @@ def _steps(figure: Figure, panels: Sequence[Axes], names: Sequence[str], operati
 
 def draw_subsampling(frame: pd.DataFrame) -> Figure:
     """Subsampling by the DCT-II in three steps (Fig. 5)."""
-    curves = curves_of(frame)
+    curves = panels.curves_of(frame)
     x, xs = curves["signal"]["x"], curves["subsampled"]["xs"]
     kept, dropped = curves["spectrum"]["kept"], curves["spectrum"]["dropped"]
 
@@ -109,16 +84,16 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
     blue = style.STROKES["joint1"]["color"]
     signal.plot(*x, color=blue, lw=1.0)
     subsampled.plot(*xs, color=blue, lw=0.5, marker="o", ms=1.8, mew=0)
-    low, high = (f(signal.get_ylim()[i], subsampled.get_ylim()[i]) for i, f in enumerate((min, max)))
+    (low1, high1), (low2, high2) = signal.get_ylim(), subsampled.get_ylim()
     for axes in (signal, subsampled):
-        axes.set(xlabel=TIME, ylabel=TORQUE, ylim=(low, high))
+        axes.set(xlabel=panels.TIME, ylabel=panels.TORQUE, ylim=(min(low1, low2), max(high1, high2)))
 
     end = _VIEW * kept[0].size
     seen = dropped[0] <= end
     spectrum.vlines(*kept[:1], 0.0, kept[1], color=blue, lw=0.9, label="Kept bands")
     spectrum.vlines(dropped[0][seen], 0.0, dropped[1][seen], color=style.SET_ASIDE, lw=0.9, label="Dropped bands")
     spectrum.axvline(float(kept[0][-1] + dropped[0][0]) / 2, color=style.INK, lw=0.8, ls="--", label="Cut to $M$ bands")
-    spectrum.set(xlabel="Band $k$ (index)", ylabel=COEFFICIENT, xlim=(-0.02 * end, end))
+    spectrum.set(xlabel="Band $k$ (index)", ylabel=panels.COEFFICIENT, xlim=(-0.02 * end, end))
     for axes in (signal, spectrum, subsampled):
         style.few_ticks(axes)
 
@@ -133,7 +108,7 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
     return figure
 
 
-@figure(5, "Subsampling technique", draw_subsampling, category=SIGNALS, sections=_NUMERIC)
+@figure("Subsampling technique", draw_subsampling, category="Signals", sections=_NUMERIC)
 def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
     to 100 bands, and the subsampled torque (Fig. 5 of the paper).
@@ -144,7 +119,7 @@ def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     bands, m = spectrum(x), signals.samples
     k = np.arange(x.size)
     time_sub = (np.arange(m) + 0.5) * x.size / m * signals.h  # the DCT-II samples the middle of each cell
-    return long_table(
+    return panels.long_table(
         [
             ("signal", "x", motion.time, x),
             ("spectrum", "kept", k[:m], bands[:m]),
@@ -156,11 +131,11 @@ def fig05(_: Inputs, config: Config) -> pd.DataFrame:
 
 def motion_curves(motion: Motion) -> pd.DataFrame:
     """Figures 6 and 16: position, velocity and acceleration of both joints."""
-    panels = {"position": motion.q, "velocity": motion.dq, "acceleration": motion.ddq}
-    return long_table((p, f"joint{j + 1}", motion.time, x[j]) for p, x in panels.items() for j in (0, 1))
+    parts = {"position": motion.q, "velocity": motion.dq, "acceleration": motion.ddq}
+    return panels.long_table((p, f"joint{j + 1}", motion.time, x[j]) for p, x in parts.items() for j in (0, 1))
 
 
-@figure(6, "Identification trajectory", draw_motion, category=SIGNALS, sections=("signals",))
+@figure("Identification trajectory", panels.draw_motion, category="Signals", sections=("signals",))
 def fig06(_: Inputs, config: Config) -> pd.DataFrame:
     """Identification trajectory of Eq. 10 with its exact derivatives (Fig. 6)."""
     signals = signal_settings(config)
@@ -174,24 +149,24 @@ def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
 _result_table = partial(table, inputs=("networks",), trained="claims")
 
 
-def _similarity_table(which: int, title: str, category: str, of_what: str) -> Declaration:
-    layout = partial(similarities, cases=_ALL, of_what=f"{of_what}, numeric tests")
-    return _result_table(which, title, layout, category=category)
+def _similarity_table(title: str, category: str, of_what: str) -> Declaration:
+    drawing = partial(similarities, cases=_ALL, of_what=f"{of_what}, numeric tests")
+    return _result_table(title, drawing, category=category)
 
 
-@_result_table(4, "Parameters of N1 and N2", partial(parameters, cases=("N1", "N2")), category=NUMERIC)
+@_result_table("Parameters of N1 and N2", partial(parameters, cases=("N1", "N2")), category="Numeric results")
 def table04(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N1 and N2: median seed and spread over the seeds."""
     return _parameters(inputs, ("N1", "N2"))
 
 
-@_result_table(5, "Parameters of N3 and N4", partial(parameters, cases=("N3", "N4")), category=NUMERIC)
+@_result_table("Parameters of N3 and N4", partial(parameters, cases=("N3", "N4")), category="Numeric results")
 def table05(inputs: Inputs, _: Config) -> pd.DataFrame:
     """True and identified parameters of N3 and N4: median seed and spread over the seeds."""
     return _parameters(inputs, ("N3", "N4"))
 
 
-@_similarity_table(6, "Similarity on the identification trajectory", NUMERIC, "from the identified parameters")
+@_similarity_table("Similarity on the identification trajectory", "Numeric results", "from the identified parameters")
 def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding on the identification trajectory: the median of the seeds
     in each cell and the spread over the seeds. The refinement is an extension of ours; the local search is its control.
@@ -199,7 +174,9 @@ def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
     return median_cells(read_scores(inputs["scores"]).query("trajectory == 'ID'"))
 
 
-@_similarity_table(7, "Similarity on the validation trajectory", VALIDATION, "on the random validation trajectory")
+@_similarity_table(
+    "Similarity on the validation trajectory", "Numeric validation", "on the random validation trajectory"
+)
 def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity on the random validation trajectory: the median of the seeds in each cell and the spread over the
     seeds. The refinement is an extension of ours; the local search is its control.
@@ -214,7 +191,7 @@ def _torques(
     signals, method = signal_settings(config), "algorithm1"
     chosen = median_seeds(read_scores(inputs["scores"]))
     runs = {run["seed"]: run["arms"] for run in read_identifications(inputs["identifications"])}
-    parts: list[Curve] = []
+    parts: list[panels.Curve] = []
     for case in cases:
         seed = chosen[case, method]
         motion = motion_of(trajectory, config, seed)
@@ -226,22 +203,22 @@ def _torques(
                 tau = rebuild_torque(y, np.array(beta))[j]
                 x = np.arange(tau.size) / (2 * tau.size * signals.h) if in_frequency else motion.time
                 parts.append((f"{case}/joint{j + 1}", name, x, spectrum(tau) if in_frequency else tau))
-    return long_table(parts)
+    return panels.long_table(parts)
 
 
 _of_runs = partial(figure, inputs=("published",), sections=_NUMERIC)
 
 
 def _torque_figure(
-    which: int, title: str, category: str, cases: Sequence[str], spectra: bool = False, trained: Trained = "no"
+    title: str, category: str, cases: Sequence[str], spectra: bool = False, trained: Trained = "no"
 ) -> Declaration:
     """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
     titles = {f"{case}/joint{j}": f"{case}, joint {j}" for case in cases for j in (1, 2)}
-    draw = partial(compare, titles=titles, spectra=spectra)
-    return _of_runs(which, title, draw, category=category, trained=trained)
+    draw = partial(panels.compare, titles=titles, spectra=spectra)
+    return _of_runs(title, draw, category=category, trained=trained)
 
 
-@_torque_figure(12, "Torques of N1 and N2", NUMERIC, ("N1", "N2"))
+@_torque_figure("Torques of N1 and N2", "Numeric results", ("N1", "N2"))
 def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques of N1 and N2 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 12).
@@ -249,7 +226,7 @@ def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "ID", ("N1", "N2"))
 
 
-@_torque_figure(13, "Torques of N3 and N4", NUMERIC, ("N3", "N4"))
+@_torque_figure("Torques of N3 and N4", "Numeric results", ("N3", "N4"))
 def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques of N3 and N4 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 13).
@@ -257,48 +234,49 @@ def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
     return _torques(inputs, config, "ID", ("N3", "N4"))
 
 
-@_torque_figure(14, "Spectra of the numeric torques", NUMERIC, _ALL, spectra=True, trained="all")
+@_torque_figure("Spectra of the numeric torques", "Numeric results", _ALL, spectra=True, trained="all")
 def fig14(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 12 and 13 (Fig. 14)."""
     return _torques(inputs, config, "ID", _ALL, in_frequency=True)
 
 
-@_torque_figure(15, "Validation torques", VALIDATION, _ALL, trained="all")
+@_torque_figure("Validation torques", "Numeric validation", _ALL, trained="all")
 def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Torques on the random validation trajectory and their rebuilding, median seed (Fig. 15)."""
     return _torques(inputs, config, "validation", _ALL)
 
 
-@_of_runs(16, "Validation trajectory", partial(draw_motion, width=style.PAGE), category=VALIDATION, trained="all")
+@_of_runs(
+    "Validation trajectory", partial(panels.draw_motion, width=style.PAGE), category="Numeric validation", trained="all"
+)
 def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Random validation trajectory of the seed that stands for N1 (Fig. 16)."""
     seed = median_seeds(read_scores(inputs["scores"]))["N1", "algorithm1"]
     return motion_curves(motion_of("validation", config, seed))
 
 
-@_torque_figure(17, "Spectra of the validation torques", VALIDATION, _ALL, spectra=True, trained="all")
+@_torque_figure("Spectra of the validation torques", "Numeric validation", _ALL, spectra=True, trained="all")
 def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
     """DCT-II spectra of the validation torques (Fig. 17)."""
     return _torques(inputs, config, "validation", _ALL, in_frequency=True)
 
 
 #: Methods of the two exhibits below, with their networks.
-_RECIPES = {
-    "algorithm1": "published",
-    "algorithm1+paper-recipe": "paper-recipe",
-    "algorithm1+paper-recipe-ranges": "paper-recipe-ranges",
+_RECIPES = {"algorithm1": "published"} | {
+    f"algorithm1+{name}": name for name in ("paper-recipe", "paper-recipe-ranges")
 }
-
-
 _table, _figure = (
-    partial(kind, category=ABLATION, label="The paper's training", optional=True) for kind in (table, figure)
+    partial(kind, category="Ablation", label="The paper's training", optional=True) for kind in (table, figure)
 )
 
 
 @_table(
-    "paper_recipe",
     "Literal Algorithm 1 with it",
-    partial(similarities, cases=(*_ALL, *PROGRAMS), of_what=_RECIPE),
+    partial(
+        similarities,
+        cases=(*_ALL, *PROGRAMS),
+        of_what=f"with a network trained by the paper's own schedule and with ours; ID and {SPAN} of the simulated arm",
+    ),
     inputs=("paper_recipe",),
 )
 def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
@@ -311,19 +289,15 @@ def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return median_cells(both[both["method"].isin(_RECIPES)])
 
 
-def draw_held_out_losses(frame: pd.DataFrame) -> Figure:
-    """Loss on held-out images over the images trained on, of the paper's schedule and of ours."""
-    figure, axes = loss_panel(frame, "Training (images)", "Held-out loss (dimensionless)")
-    axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    style.legend_above(figure, axes, 1)
-    return figure
-
-
 @_figure(
-    "paper_recipe",
     "Loss next to ours",
-    draw_held_out_losses,
+    partial(
+        panels.draw_losses,
+        x_label="Training (images)",
+        y_label="Held-out loss (dimensionless)",
+        columns=1,
+        xscale="log",
+    ),
     inputs=("losses",),
     sections=("training", "networks"),
     trained="all",
@@ -334,7 +308,7 @@ def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
     """
     histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
     batches = {method: training_settings(of_network(config, name)).batch for method, name in _RECIPES.items()}
-    return long_table(
+    return panels.long_table(
         ("loss", name, batches[name] * h["step"].to_numpy(dtype=np.float64), h["test_loss"].to_numpy(dtype=np.float64))
         for name, h in zip(_RECIPES, histories, strict=True)
     )

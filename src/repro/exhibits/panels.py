@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import ceil
-from typing import cast
+from typing import Literal, cast
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from repro.exhibits import style
 from repro.model.parameters import Array
@@ -44,6 +45,12 @@ def plot_series(axes: Axes, name: str, curve: Points) -> None:
     axes.plot(*curve, label=style.SERIES_LABELS[name], **style.STROKES[name])
 
 
+def plot_deviation(axes: Axes, level: pd.Series, share: pd.Series, look: str, label: str) -> None:
+    """Draw by how many points a share deviates from its level, in the colour and dashes of another series."""
+    level = 100.0 * level.to_numpy()
+    axes.plot(level, 100.0 * share.to_numpy() - level, label=label, **{**style.STROKES[look], "linewidth": 1.0})
+
+
 def plot_panel(axes: Axes, series: Mapping[str, Points]) -> None:
     """Draw curves one over the other in their order."""
     for name, curve in series.items():
@@ -62,37 +69,38 @@ def draw_motion(
     curves = curves_of(frame)
     figure = style.new_figure(width, height)
     grid = figure.subplots(len(MOTION), len(cases), sharex="col", squeeze=False)
-    for row, (panel, label) in zip(grid, MOTION.items(), strict=True):
-        for axes, case in zip(row, cases, strict=True):
+    for column, case in zip(grid.T, cases, strict=True):
+        for axes, panel in zip(column, MOTION, strict=True):
             plot_panel(axes, curves[f"{case} {panel}".strip()])
-        row[0].set_ylabel(label)
-    for axes, case in zip(grid[0], cases, strict=True):
-        axes.set_title(case)
-    for axes in grid[-1]:
-        axes.set_xlabel(TIME)
+        column[0].set_title(case)
+        column[-1].set_xlabel(TIME)
+    for axes, label in zip(grid[:, 0], MOTION.values(), strict=True):
+        axes.set_ylabel(label)
     figure.align_ylabels()
-    style.legend_above(figure, grid[0, 0], len(grid[0, 0].lines), legend_title)
-    return figure
+    return style.legend_above(figure, grid[0, 0], len(grid[0, 0].lines), legend_title)
 
 
-def loss_panel(frame: pd.DataFrame, x_label: str, y_label: str) -> tuple[Figure, Axes]:
-    """Losses on a logarithmic axis."""
+def draw_losses(
+    frame: pd.DataFrame, x_label: str, y_label: str, columns: int, xscale: Literal["linear", "log"] = "linear"
+) -> Figure:
+    """Losses on a logarithmic axis, with so many columns in the legend."""
     figure = style.new_figure(style.COLUMN, 2.3)
     axes = figure.subplots()
     for name, curve in curves_of(frame)["loss"].items():
         plot_series(axes, name, curve)
-    axes.set(yscale="log", xlabel=x_label, ylabel=y_label)
-    return figure, axes
+    axes.set(xscale=xscale, yscale="log", xlabel=x_label, ylabel=y_label)
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    if xscale == "linear":
+        axes.xaxis.set_major_locator(MaxNLocator(6))
+    return style.legend_above(figure, axes, columns)
 
 
 #: A curve alone over its reference that turns more often is drawn without dashes, which would look like stripes.
 _MOST_TURNS_DASHED = 40
 #: The view of a spectrum ends with the last band that reaches this part of its panel's largest coefficient.
 _BAND_IN_VIEW = 0.05
-#: Up to this many bands a spectrum is drawn as stems and marks, above it as lines.
-_MOST_STEMS = 90
-#: Up to this many entries the legend is one row.
-_MOST_ABREAST = 5
+#: Up to this many bands a spectrum is drawn as stems and marks; up to this many entries the legend is one row.
+_MOST_STEMS, _MOST_ABREAST = 90, 5
 #: Curves of one panel by series: first the reference, then whatever is compared with it.
 Compared = Mapping[str, Points]
 
@@ -157,8 +165,7 @@ def compare(
     grid = whole.subplots(rows, 2, sharex="row" if by_row else "all", squeeze=False, gridspec_kw={"wspace": 0.04})
     for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
         plot(axes, curves[panel])
-        axes.set_title(title)
-        axes.set_ylabel(labels[1])
+        axes.set(title=title, ylabel=labels[1])
     for axes in grid[-1]:
         axes.set_xlabel(labels[0])
     whole.align_ylabels()

@@ -1,6 +1,8 @@
 """Tables of results: identified parameters (Tables 4, 5) and similarities (Tables 6, 7, 10)."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from itertools import chain
+from typing import Any
 
 import pandas as pd
 
@@ -24,24 +26,30 @@ def by_method(frame: pd.DataFrame) -> list[Block]:
     return [(heading_of(method), frame[frame["method"] == method]) for method in methods_of(frame)]
 
 
+def parameter_cells(frame: pd.DataFrame) -> tuple[dict[str, Text], dict[tuple[str, str, str], list[Text]], str]:
+    """Name of each parameter, true and estimated value by method, case and parameter, and words on the spread."""
+    names = {name: with_unit(formula(name), si) for name, si in zip(frame["parameter"], frame["unit"], strict=True)}
+    repeated = bool((frame["estimate_sd"] > 0).any())
+    cells = {
+        (row["method"], row["case"], row["parameter"]): [
+            number(row["true"], 4),
+            number(row["estimate"], 4, row["estimate_sd"] if repeated else None),
+        ]
+        for row in frame.to_dict("records")
+    }
+    return names, cells, ", ± the standard deviation over the seeds" if repeated else ""
+
+
 def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
     """Lay out true and identified parameters, cases side by side, a block for each method."""
-    units = dict(zip(frame["parameter"], frame["unit"], strict=True))
-    found = frame.set_index(["method", "case", "parameter"]).to_dict("index")
-    repeated = bool((frame["estimate_sd"] > 0).any())
+    names, cells, spread = parameter_cells(frame)
     blocks = []
     for method in methods_of(frame):
-        rows = []
-        for name, si in units.items():
-            cells = [with_unit(formula(name), si)]
-            for case in cases:
-                row = found[method, case, name]
-                spread = float(row["estimate_sd"]) if repeated else None
-                cells += [number(float(row["true"]), 4), number(float(row["estimate"]), 4, spread)]
-            rows.append(cells)
+        rows = [
+            [label, *chain.from_iterable(cells[method, case, name] for case in cases)] for name, label in names.items()
+        ]
         blocks.append((heading_of(method), rows))
-    spread_words = ", ± the standard deviation over the seeds" if repeated else ""
-    caption = f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread_words}."
+    caption = f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread}."
     header = [plain("Parameter"), *(plain(f"{case} {word}") for case in cases for word in ("true", "identified"))]
     return Table(plain(caption), "l" + "rr" * len(cases), header, blocks)
 
@@ -57,8 +65,8 @@ def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Tab
                 cells = [plain(word) + Text("~", " ") + formula(f"tau{joint}")]
                 for case in cases:
                     row = found[method, case, joint]
-                    spread = 100.0 * float(row["total_sd"]) if factor == "total" and row["seeds"] > 1 else None
-                    cells.append(number(100.0 * float(row[factor]), 2, spread))
+                    spread = 100.0 * row["total_sd"] if factor == "total" and row["seeds"] > 1 else None
+                    cells.append(number(100.0 * row[factor], 2, spread))
                 rows.append(cells)
         blocks.append((heading_of(method), rows))
     seeds = frame["seeds"].max()
@@ -69,3 +77,8 @@ def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Tab
             of_seeds += " All cells of a block without ± have the same seed."
     caption = plain(f"Similarity (%) of the torques rebuilt {of_what}: {of_seeds}")
     return Table(caption, "l" + "r" * len(cases), [plain("metr2ev (%)"), *map(plain, cases)], blocks)
+
+
+def percent_interval(row: Mapping[Hashable, Any]) -> Text:
+    """Cell of an interval in per cent."""
+    return plain(f"{100.0 * row['low']:.2f} to {100.0 * row['high']:.2f}")

@@ -21,7 +21,7 @@ from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.arm_drawing import Point, arrow, draw_arm, hanging_arm
-from repro.exhibits.declare import ARM, EXPERIMENT, METHOD, Inputs, figure, table
+from repro.exhibits.declare import ARM, Inputs, figure, table
 from repro.exhibits.markup import Table, Text, formula, plain
 from repro.files import read_csv
 from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT, SAMPLING_PERIOD
@@ -29,7 +29,7 @@ from repro.pipeline.experiment import control_constants, program_settings
 from repro.pipeline.job import Config
 from repro.signals.programs import MEMORY_SAMPLES
 
-_figure = partial(figure, category=METHOD, inputs=("diagrams",))
+_figure = partial(figure, category="Method", inputs=("diagrams",))
 
 DIAGRAMS = Path(__file__).parent / "diagrams"
 #: Constants of the board in the words of the diagrams.
@@ -49,11 +49,10 @@ def related_work_table(frame: pd.DataFrame) -> Table:
     """Related work of Section I-A and the article (Table 1)."""
     columns = ["reference", "robot", "dof", "method", "identified", "optimisation", "set_apart"]
     rows = []
-    for reference, robot, dof, *cells, apart in frame[columns].itertuples(index=False):
+    for reference, *cells, apart in frame.replace({"dof": {"not stated": style.DASH}})[columns].itertuples(index=False):
         work = plain(reference)
         work = Text(f"{{{work.tex}}}", work.md)  # LaTeX would read a bracket at the start of a row as an option
-        freedom = plain("\N{EN DASH}" if dof == "not stated" else dof)
-        rows.append((work + _SET_APART if apart == "yes" else work, plain(robot), freedom, *map(plain, cells)))
+        rows.append((work + _SET_APART if apart == "yes" else work, *map(plain, cells)))
     caption = plain(
         "Related work and this article, rebuilt from Section I-A (the paper's own Table 1 is an image). Optimisation: "
         "whether an optimised trajectory is needed; Section I-A says so of works based on least squares (LS, weighted "
@@ -61,12 +60,12 @@ def related_work_table(frame: pd.DataFrame) -> Table:
         "network; LSTM: long short-term memory; MLP: multi-layer perceptron; KF: Kalman filter; "
         "\N{EN DASH}: not stated."
     )
-    caption += Text(" ", " ") + _SET_APART + Text(" ", " ") + plain("Set apart in Section I-A by its contributions.")
-    header = tuple(plain(n) for n in ("Work", "Robot", "DoF", "Method", "Identified", "Optimisation"))
+    caption = caption + " " + _SET_APART + " " + plain("Set apart in Section I-A by its contributions.")
+    header = [*map(plain, ("Work", "Robot", "DoF", "Method", "Identified", "Optimisation"))]
     return Table(caption, "llllll", header, [(None, rows)])
 
 
-@table(1, "Related work", related_work_table, category=METHOD, inputs=("diagrams",))
+@table("Related work", related_work_table, category="Method", inputs=("diagrams",))
 def table01(_: Inputs, __: Config) -> pd.DataFrame:
     """Related work and this article, rebuilt from Section I-A (the paper's Table 1 is an image): robot, degrees of
     freedom, method, what is identified, and whether the text says that an optimised trajectory is needed.
@@ -77,23 +76,16 @@ def table01(_: Inputs, __: Config) -> pd.DataFrame:
 #: From the edge of a box to its words, in.
 INSET = 0.05
 
-_FILLS: Mapping[str, str] = {
-    "block": style.FILL_LIGHT,
-    "outside": "white",
-    "step": style.FILL_LIGHT,
-    "decision": "#f3c77d",
-    "end": "white",
-    "frame": "0.96",
-    "corner": style.FILL_LIGHT,
-}
+_FILLS = dict.fromkeys(("block", "step", "corner"), style.FILL_LIGHT) | dict.fromkeys(("outside", "end"), "white")
+_FILLS |= {"decision": "#f3c77d", "frame": "0.96"}
 
 #: Strokes of links by flow; a link that is only inferred has `_INFERRED` instead.
-FLOWS: Mapping[str, Mapping[str, Any]] = {
+FLOWS: dict[str, dict[str, Any]] = {
     "downlink": {"color": style.STROKES["joint1"]["color"], "lw": 1.0},
     "uplink": {"color": style.STROKES["joint2"]["color"], "lw": 1.0, "ls": (0, (4.5, 1.5))},
     "inner": {"color": style.INK, "lw": 1.0},
 }
-_INFERRED: Mapping[str, Any] = {"color": style.INK, "lw": 0.8, "ls": (0, (1.0, 1.2))}
+_INFERRED: dict[str, Any] = {"color": style.INK, "lw": 0.8, "ls": (0, (1.0, 1.2))}
 
 _WORD = re.compile(r"(?:`[^`]*`|[^\s`])+")
 
@@ -142,15 +134,15 @@ def _rendered(word: str) -> tuple[str, int]:
 def _wrap(label: str, letters: int) -> list[str]:
     """Break a label into lines of so many letters; a formula between backticks stays whole."""
     lines: list[str] = []
-    width = letters + 1
+    width = letters
     for word in _WORD.findall(label.replace(" x ", style.TIMES)):
         shown, size = _rendered(word)
-        if width + 1 + size > letters:
+        width += 1 + size
+        if width > letters:
             lines.append(shown)
             width = size
         else:
             lines[-1] += f" {shown}"
-            width += 1 + size
     return lines
 
 
@@ -166,22 +158,22 @@ def _start(layout: Mapping[str, Any], words: Iterable[tuple[str, str, bool]], pl
         if len(lines[name]) > room:
             raise InputError.at(place.format(name), f"{len(lines[name])} lines of words", f"at most {room}")
     figure, axes = style.inches(*layout["size"])
-    for name in layout["boxes"]:
-        _draw_box(axes, layout, name, lines[name])
+    for name, own in lines.items():
+        _draw_box(axes, layout, name, own)
     return figure, axes
 
 
 def _patch(box: Box) -> FancyBboxPatch | Polygon | Rectangle:
     """Outline of a box."""
     look: dict[str, Any] = {"facecolor": _FILLS[box.shape], "edgecolor": style.INK, "lw": 0.6}
-    corner, width, height = (box.left, box.bottom), box.width, box.height
-    if box.shape == "frame":
-        return Rectangle(corner, width, height, ls=(0, (3, 2)), **look)
-    if box.shape == "decision":
-        x, y = box.left + width / 2, box.bottom + height / 2
-        return Polygon([(box.left, y), (x, box.bottom), (box.left + width, y), (x, box.bottom + height)], **look)
-    radius = height / 2 if box.shape == "end" else 0.04
-    return FancyBboxPatch(corner, width, height, boxstyle=f"round,pad=0,rounding_size={radius}", **look)
+    left, bottom, width, height, shape = box
+    if shape == "frame":
+        return Rectangle((left, bottom), width, height, ls=(0, (3, 2)), **look)
+    if shape == "decision":
+        x, y = left + width / 2, bottom + height / 2
+        return Polygon([(left, y), (x, bottom), (left + width, y), (x, bottom + height)], **look)
+    radius = height / 2 if shape == "end" else 0.04
+    return FancyBboxPatch((left, bottom), width, height, boxstyle=f"round,pad=0,rounding_size={radius}", **look)
 
 
 def _draw_box(axes: Axes, layout: Mapping[str, Any], name: str, lines: Sequence[tuple[str, bool]]) -> None:
@@ -222,7 +214,6 @@ def _legend(axes: Axes, layout: Mapping[str, Any], bottom: float = 0.0) -> None:
 def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
     """Boxes and arrows (Figures 2 to 4)."""
     layout = layout_of(name)
-    size = layout["type_size"]
     boxes, links = (frame[frame["element"] == kind].set_index("name") for kind in ("box", "link"))
     words = zip(boxes.index, boxes["label"], boxes["basis"] == "inferred", strict=True)
     figure, axes = _start(layout, words, "box {}: label")
@@ -230,9 +221,8 @@ def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
         label, inferred = links.loc[key, "label"], links.loc[key, "basis"] == "inferred"
         _draw_link(axes, route.corners, _INFERRED if inferred else FLOWS[route.flow], route.both)
         if route.label is not None:
-            look: dict[str, Any] = {"fontsize": size, "va": "center", "style": "italic" if inferred else "normal"}
-            x, y = route.label
-            axes.text(x, y, _rendered(label)[0], ha=route.side, **look)
+            text, slant = _rendered(label)[0], "italic" if inferred else "normal"
+            axes.text(*route.label, text, ha=route.side, va="center", fontsize=layout["type_size"], style=slant)
     for place in layout["junctions"]:
         axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
     if layout["legend"]:
@@ -240,7 +230,7 @@ def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
     return figure
 
 
-@_figure(1, "Schematic of the arm", draw_arm)
+@_figure("Schematic of the arm", draw_arm)
 def fig01(_: Inputs, __: Config) -> pd.DataFrame:
     """Schematic of the two-link arm with the symbols of Eq. 1. The paper's own picture (Fig. 1) is not available to us:
     redrawn from Section II and Eq. 1. The pose is arbitrary; q = 0 hangs straight down and q2 is measured from link 1.
@@ -248,7 +238,7 @@ def fig01(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig01")
 
 
-@_figure(2, "Hardware blocks of the FPGA", lambda frame: draw_diagram(frame, "fig02"))
+@_figure("Hardware blocks of the FPGA", partial(draw_diagram, name="fig02"))
 def fig02(_: Inputs, __: Config) -> pd.DataFrame:
     """Hardware blocks of the FPGA and the buses between them. The paper's own picture (Fig. 2) is not available to us:
     redrawn from the text of Section III; the data say for each block and bus which sentence states it. Dotted links and
@@ -258,7 +248,7 @@ def fig02(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig02")
 
 
-@_figure(3, "Flow chart of the PD control", lambda frame: draw_diagram(frame, "fig03"))
+@_figure("Flow chart of the PD control", partial(draw_diagram, name="fig03"))
 def fig03(_: Inputs, __: Config) -> pd.DataFrame:
     """Flow chart of one cycle of the PD control with its saturation. The paper's own picture (Fig. 3) is not available
     to us: redrawn from Section III, Eq. 2 and its caption, L1 = L2 = 1023. Dotted arrows and words in italics are
@@ -267,7 +257,7 @@ def fig03(_: Inputs, __: Config) -> pd.DataFrame:
     return words("fig03")
 
 
-@_figure(4, "Identification method", lambda frame: draw_diagram(frame, "fig04"))
+@_figure("Identification method", partial(draw_diagram, name="fig04"))
 def fig04(_: Inputs, __: Config) -> pd.DataFrame:
     """General diagram of the identification method with its nine steps. The paper's own picture (Fig. 4) is not
     available to us: redrawn from Section IV; the way back from the decision to a new guess is that of Algorithm 1.
@@ -287,20 +277,17 @@ def draw_setup(frame: pd.DataFrame) -> Figure:
     for route in layout["routes"].values():
         _draw_link(axes, route.corners, FLOWS[route.flow])
     for note in layout["notes"]:
-        x, y = note["place"]
-        axes.text(x, y, note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
+        axes.text(*note["place"], note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
     _legend(axes, layout, bottom=0.01)
     return figure
 
 
-@figure(18, "Experimental set-up", draw_setup, category=EXPERIMENT, inputs=("diagrams",), sections=ARM)
+@figure("Experimental set-up", draw_setup, category="Experiment (simulated)", inputs=("diagrams",), sections=ARM)
 def fig18(_: Inputs, config: Config) -> pd.DataFrame:
     """The simulated experimental set-up: the real acquisition program, the serial device it opens, the simulated FPGA
     board with its blocks, the simulated motors, and the two-link arm (Fig. 18 of the paper is a photograph of the real
     one).
     """
-    settings, control = program_settings(config), control_constants(config)
-    torque1, torque2 = control.full_torque
-    lengths = {"l1": settings.geometry.l1, "l2": settings.geometry.l2}
+    geometry, (torque1, torque2) = program_settings(config).geometry, control_constants(config).full_torque
     board = {"baud": BAUD, "counts": COUNTS_PER_TURN, "torque1": torque1, "torque2": torque2}
-    return words("fig18", **board, **lengths)
+    return words("fig18", **board, l1=geometry.l1, l2=geometry.l2)

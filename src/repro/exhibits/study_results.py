@@ -7,8 +7,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.exhibits import style
-from repro.exhibits.declare import ABLATION, Inputs, figure, table
-from repro.exhibits.markup import Column, Table, digits, grid, plain, words
+from repro.exhibits.declare import Inputs, figure, table
+from repro.exhibits.markup import Column, Table, digits, grid, layout, plain, words
+from repro.exhibits.panels import plot_deviation
+from repro.exhibits.result_tables import percent_interval
 from repro.files import read_csv
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import EQUIVALENT
@@ -16,7 +18,7 @@ from repro.study import analysis
 from repro.study.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
 
 _table, _figure = (
-    partial(kind, category=ABLATION, inputs=("study",), trained="all", optional=True) for kind in (table, figure)
+    partial(kind, category="Ablation", inputs=("study",), trained="all", optional=True) for kind in (table, figure)
 )
 
 #: Methods of the study in words.
@@ -56,9 +58,14 @@ def _outcomes(inputs: Inputs) -> pd.DataFrame:
     return analysis.check_outcomes(pd.concat(parts, ignore_index=True))
 
 
-def means_layout(frame: pd.DataFrame) -> Table:
-    """A block for each prior, a row for each method."""
-    columns: list[Column] = [
+@_table(
+    "Learned methods and least squares over many conditions",
+    layout(
+        "Means over the simulated arms and the conditions in which all methods were run: similarity (%) on the motion "
+        "that is identified from and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
+        "parameters over the largest torque; median error of position on T1, simulated again with the estimate (rad), "
+        "of the runs whose estimate has a positive definite inertia matrix, which are others for each method; share of "
+        "parameters in the claimed 95 % interval (%); median share of the prior's variance that the claim removes.",
         ("Method", "l", lambda row: plain(TITLES[row["method"]])),
         ("ID", "r", digits("id", 2, 100.0)),
         ("T1 to T4", "r", digits("validation", 2, 100.0)),
@@ -67,44 +74,29 @@ def means_layout(frame: pd.DataFrame) -> Table:
         ("Position error", "r", digits("position_error", 4)),
         ("Covered", "r", digits("covered", 1, 100.0)),
         ("Contraction", "r", lambda row: plain("none") if row["contraction"] < 0 else digits("contraction", 2)(row)),
-    ]
-    caption = (
-        "Means over the simulated arms and the conditions in which all methods were run: similarity (%) on the motion "
-        "that is identified from and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
-        "parameters over the largest torque; median error of position on T1, simulated again with the estimate (rad), "
-        "of the runs whose estimate has a positive definite inertia matrix, which are others for each method; share of "
-        "parameters in the claimed 95 % interval (%); median share of the prior's variance that the claim removes."
-    )
-    blocks = [(plain(f"Prior: {prior}"), own) for prior, own in frame.groupby("prior", sort=False)]
-    return grid(caption, columns, blocks)
-
-
-@_table("study", "Learned methods and least squares over many conditions", means_layout)
-def study_means(inputs: Inputs, _: Config) -> pd.DataFrame:
+        blocks=lambda frame: [(plain(f"Prior: {name}"), own) for name, own in frame.groupby("prior", sort=False)],
+    ),
+)
+def study_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Similarity, errors, coverage and contraction of every method, averaged over the conditions of the study."""
     return analysis.means(_outcomes(inputs))
 
 
-def claims_layout(frame: pd.DataFrame) -> Table:
-    """A row for each claim."""
-    columns: list[Column] = [
-        ("Claim", "l", words("sentence")),
-        ("Arms", "r", digits("arms", 0)),
-        ("Difference", "r", digits("difference", 2, 100.0)),
-        ("Interval", "r", lambda row: plain(f"{100.0 * row['low']:.2f} to {100.0 * row['high']:.2f}")),
-        ("Verdict", "l", words("verdict")),
-        ("Conditions", "r", lambda row: plain(f"{row['better']:.0f} of {row['conditions']:.0f}")),
-    ]
-    caption = (
+@_table(
+    "Claims over many conditions",
+    layout(
         "Claims over the simulated arms of all conditions: difference of the mean totals on T1 to T4 in points, "
         "positive if the claim is true, with its 95 % interval over arms, valid at once for all claims. A claim that "
         f"something does not matter holds if at most {100 * EQUIVALENT:g} points are lost. Last: in how many "
-        "conditions the difference is surely positive."
-    )
-    return grid(caption, columns, [(None, frame)])
-
-
-@_table("study_claims", "Claims over many conditions", claims_layout, target="study_claims")
+        "conditions the difference is surely positive.",
+        ("Claim", "l", words("sentence")),
+        ("Arms", "r", digits("arms", 0)),
+        ("Difference", "r", digits("difference", 2, 100.0)),
+        ("Interval", "r", percent_interval),
+        ("Verdict", "l", words("verdict")),
+        ("Conditions", "r", lambda row: plain(f"{row['better']:.0f} of {row['conditions']:.0f}")),
+    ),
+)
 def study_claims(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Each claim of the paper over many simulated arms and conditions, with an interval and a verdict."""
     return analysis.claims(_outcomes(inputs))
@@ -136,7 +128,7 @@ def levels_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, blocks)
 
 
-@_table("study_levels", "Where the claims are true", levels_layout, target="study_levels")
+@_table("Where the claims are true", levels_layout)
 def study_levels(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Differences behind the claims by motion, discrepancy, prior and friction, with the number of conditions in which
     they are surely positive or negative.
@@ -146,8 +138,7 @@ def study_levels(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 def draw_map(frame: pd.DataFrame) -> Figure:
     """One panel for each pair of methods: conditions by discrepancy, the colour is the difference."""
-    figure = style.new_figure(style.PAGE, 6.0)
-    panels, image = figure.subplots(1, len(_SHOWN), sharey=True), None
+    figure, panels = style.new_panels(style.PAGE, 6.0, 1, len(_SHOWN), sharey=True)
     labels = {(prior, motion): f"{prior}, {name}" for prior in TRAINED_ON for motion, name in _MOTIONS.items()}
     order = [row for row in labels if row in set(zip(frame["prior"], frame["excitation"], strict=True))]
     levels = sorted(set(frame["discrepancy"]), reverse=True)
@@ -171,13 +162,12 @@ def draw_map(frame: pd.DataFrame) -> Figure:
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
     figure.supxlabel("Similarity of least squares on the motion (%)", fontsize=style.TEXT_SIZE)
-    if image is not None:
-        figure.colorbar(image, ax=panels, label=f"Points on T1 to T4 ({style.SIMULATED.lower()})", extend="both")
+    figure.colorbar(image, ax=panels, label=f"Points on T1 to T4 ({style.SIMULATED.lower()})", extend="both")
     return figure
 
 
-@_figure("study", "Where each method is better", draw_map)
-def study_map(inputs: Inputs, _: Config) -> pd.DataFrame:
+@_figure("Where each method is better", draw_map)
+def study_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
     discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
     better. Below each number: in how many of these conditions the interval excludes zero. The CSV has each condition
@@ -197,19 +187,16 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
             half = 100.0 * float(chosen["band"].max())
             axes.axhspan(-half, half, color=style.FILL_LIGHT, lw=0.0, zorder=0.0)
             for method, own in chosen.groupby("method", sort=False):
-                level = 100.0 * own["level"].to_numpy()
-                stroke = {**style.STROKES[_LOOKS[str(method)]], "linewidth": 1.0}
-                axes.plot(level, 100.0 * own["share"].to_numpy() - level, label=TITLES[str(method)], **stroke)
+                plot_deviation(axes, own["level"], own["share"], _LOOKS[str(method)], TITLES[str(method)])
         panels[0, column].set_title(prior)
     panels[0, 0].set_ylabel("Each (points)")
     panels[1, 0].set_ylabel("Together (points)")
     figure.supylabel("Share minus level (points)", fontsize=style.TEXT_SIZE)
     figure.supxlabel("Level (%)", fontsize=style.TEXT_SIZE)
-    style.legend_above(figure, panels[0, 0], 3, style.SIMULATED)
-    return figure
+    return style.legend_above(figure, panels[0, 0], 3, style.SIMULATED)
 
 
-@_figure("study_calibration", "Are the claimed distributions right", draw_calibration, target="study_calibration")
+@_figure("Are the claimed distributions right", draw_calibration)
 def study_calibration(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Simulation-based calibration: distribution of the probability that a claimed distribution gives to values below
     the true parameter, and of the share of its draws that lie nearer to a random point than the truth does (TARP),

@@ -12,52 +12,42 @@ from matplotlib.ticker import MaxNLocator
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.documents import read_json
 from repro.exhibits import style
-from repro.exhibits.declare import ABLATION, ARM, EXPERIMENT, Inputs, figure, table
-from repro.exhibits.markup import Column, Table, Text, digits, grid, plain, several, words
+from repro.exhibits.declare import ARM, Inputs, figure, table
+from repro.exhibits.markup import Text, digits, layout, plain, several, words
 from repro.exhibits.result_tables import by_method
 from repro.files import read_csv
+from repro.pipeline import interpretations, summary
 from repro.pipeline.experiment import read_recordings
 from repro.pipeline.identifications import read_identifications
-from repro.pipeline.interpretations import ARM as OF_ARM
-from repro.pipeline.interpretations import HEADLINES, ablation_figure, ablation_table
 from repro.pipeline.job import Config
-from repro.pipeline.summary import BOTH_METRICS, both_metrics
 from repro.signals.programs import SPAN
 
-_table, _figure = (partial(kind, category=ABLATION, trained="all", optional=True) for kind in (table, figure))
+_table, _figure = (partial(kind, category="Ablation", trained="all", optional=True) for kind in (table, figure))
 
-
-def both_metrics_layout(frame: pd.DataFrame) -> Table:
-    """Headline rows under both time factors, two rows for each method; columns `BOTH_METRICS`."""
-    names = ("N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4", "Freq., ID", "Freq., T1 to T4")
-    formulas = {"mean-square": "mean square", "energy": "energy ratio"}
-    columns: list[Column] = [
-        ("Time factor", "l", lambda row: plain(formulas[row["formula"]])),
-        *several(names, BOTH_METRICS[2:], 2, 100.0),
-    ]
-    caption = (
-        "The same estimates under both time factors of metr2ev: mean totals of N1 to N4 on the identification and the "
-        "validation trajectory, totals of the simulated arm on ID and their mean over T1 to T4, and the mean frequency "
-        "factor, which both share; medians over the seeds, %."
-    )
-    return grid(caption, columns, by_method(frame))
+_FORMULAS = {"mean-square": "mean square", "energy": "energy ratio"}
+_MEANS = ("N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to T4", "Freq., ID", "Freq., T1 to T4")
 
 
 @table(
-    "both_metrics",
     "Headline rows under both time factors",
-    both_metrics_layout,
-    category=EXPERIMENT,
-    target="both_metrics",
+    layout(
+        "The same estimates under both time factors of metr2ev: mean totals of N1 to N4 on the identification and the "
+        "validation trajectory, totals of the simulated arm on ID and their mean over T1 to T4, and the mean frequency "
+        "factor, which both share; medians over the seeds, %.",
+        ("Time factor", "l", lambda row: plain(_FORMULAS[row["formula"]])),
+        *several(_MEANS, summary.BOTH_METRICS[2:], 2, 100.0),
+        blocks=by_method,
+    ),
+    category="Experiment (simulated)",
     inputs=("headline",),
     sections=(*ARM, "metric", "numeric"),
 )
-def both_metrics_table(inputs: Inputs, config: Config) -> pd.DataFrame:
+def both_metrics(inputs: Inputs, config: Config) -> pd.DataFrame:
     """The headline rows of the numeric tests and of the simulated arm under both time factors of metr2ev, from the same
     estimates.
     """
     numeric, arm = (read_identifications(inputs[name]) for name in ("numeric", "arm"))
-    return both_metrics(numeric, arm, read_recordings(inputs["captures"], config), config)
+    return summary.both_metrics(numeric, arm, read_recordings(inputs["captures"], config), config)
 
 
 #: Question under which the reading stands that every other one is compared with.
@@ -70,39 +60,37 @@ def grouped(frame: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     return sorted(groups, key=lambda group: group[0] != DEFAULT)
 
 
-def readings_layout(frame: pd.DataFrame) -> Table:
-    """Headline numbers under each reading of the paper."""
-    names = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
-    columns: list[Column] = [
-        ("Reading", "l", words("reading")),
-        ("Steps", "r", digits("steps", 0)),
-        (
-            Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})"),
-            "r",
-            digits("held_out_loss", 2, 1e4),
-        ),
-        *several(names, ("id_mean", "id_lowest", "validation_mean", *OF_ARM), 2, 100.0),
-    ]
-    caption = (
+_HEADLINES = ("ID mean", "ID lowest", "Val. mean", "Arm ID", "Arm val.", "Arm refined", "Arm LS", "Arm true")
+_LOSS = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT FOUR})")
+
+
+@_table(
+    "Headline numbers under other interpretations",
+    layout(
         "Readings of what the paper leaves open: mean total similarity (%). N1 to N4: literal Algorithm 1, median "
         "of the seeds, on the identification (ID) and the validation (val.) trajectory; lowest is the lowest of the"
         " eight torques. Simulated arm: literal Algorithm 1 on its identification run (arm ID) and its mean over "
         f"{SPAN} (arm val.), medians of the seeds; the same mean for the refined Algorithm 1 (refined), least "
         "squares (LS) and the true parameters (true). A reading that needs no network of its own has the default's. "
-        "Held-out losses under different labels or images do not compare."
-    )
-    blocks = [(plain(name.capitalize() if name == DEFAULT else name), rows) for name, rows in grouped(frame)]
-    return grid(caption, columns, blocks)
-
-
-@_table("ablation", "Headline numbers under other interpretations", readings_layout, inputs=("readings",))
-def readings_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+        "Held-out losses under different labels or images do not compare.",
+        ("Reading", "l", words("reading")),
+        ("Steps", "r", digits("steps", 0)),
+        (_LOSS, "r", digits("held_out_loss", 2, 1e4)),
+        *several(_HEADLINES, ("id_mean", "id_lowest", "validation_mean", *interpretations.ARM), 2, 100.0),
+        blocks=lambda frame: [
+            (plain(name.capitalize() if name == DEFAULT else name), rows) for name, rows in grouped(frame)
+        ],
+    ),
+    inputs=("readings",),
+)
+def ablation_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Headline numbers under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4 and on the
     simulated arm (medians of the seeds), and the mean over T1 to T4 of the simulated arm for the refined Algorithm 1,
     least squares and the true parameters. Losses under different labels or images do not compare with each other.
     """
     histories = [read_csv(path, HISTORY_COLUMNS) for path in inputs["losses"]]
-    return ablation_table([cast("dict[str, Any]", read_json(path)) for path in inputs["results"]], histories)
+    results = [cast("dict[str, Any]", read_json(path)) for path in inputs["results"]]
+    return interpretations.ablation_table(results, histories)
 
 
 #: By panel: its title and its quantities, each with what it is called and whose look it has.
@@ -126,12 +114,9 @@ _MARKS = {
 #: Axes reach down to this far below the default's lowest value, points of a percent; what is lower is written out.
 _REACH = 10.0
 #: Width of one value written out, and of its mark, as a share of the panel.
-_WRITTEN = 0.17
-_SIGN = 0.03
-#: Height of a row, and of what is not rows, in; gap above a question, rows.
-_GAP = 0.35
-_ROW = 0.14
-_REST = 1.0
+_WRITTEN, _SIGN = 0.17, 0.03
+#: Gap above a question, rows; height of a row, and of what is not rows, in.
+_GAP, _ROW, _REST = 0.35, 0.14, 1.0
 
 
 def draw_readings(frame: pd.DataFrame) -> Figure:
@@ -150,18 +135,16 @@ def draw_readings(frame: pd.DataFrame) -> Figure:
             labels[place] = f"Default: {reading}" if question == DEFAULT else str(reading)
             place += 1.0
     values = pd.DataFrame(rows).T
-    drawn = style.new_figure(style.PAGE, _REST + _ROW * place)
-    panels = drawn.subplots(1, len(_PANELS), sharey=True)
+    drawn, panels = style.new_panels(style.PAGE, _REST + _ROW * place, 1, len(_PANELS), sharey=True)
     for axes, (title, quantities) in zip(panels, _PANELS.items(), strict=True):
         _plot_panel(axes, values[list(quantities)], quantities)
-        axes.set_title(title)
-        axes.set_xlabel("Total similarity (%)")
+        axes.set(title=title, xlabel="Total similarity (%)")
         axes.grid(visible=False, axis="y")
         axes.tick_params(axis="y", length=0.0)
     panels[0].set_yticks(list(labels), labels=list(labels.values()), parse_math=False)
     panels[0].set_ylim(place - 0.4, -0.6)
-    for number_of_label in headings:
-        panels[0].get_yticklabels()[number_of_label].set_style("italic")
+    for heading in headings:
+        panels[0].get_yticklabels()[heading].set_style("italic")
     handles = [line for axes in panels for line in axes.get_legend_handles_labels()[0]]
     (default,) = panels[0].plot([], [], color=style.INK, lw=0.8, label="Lines: the default reading")
     drawn.legend(handles=[*handles, default], loc="outside upper center", ncols=3)
@@ -192,10 +175,10 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
         here = shown[name].to_numpy()
         heights = values.index.to_numpy(dtype=np.float64)[here] + offsets[name]
         axes.plot(values[name].to_numpy()[here], heights, ls="none", color=stroke["color"], label=label, **_MARKS[look])
-    looks = [look for _, look in quantities.values()]
     across = axes.get_yaxis_transform()  # x as a share of the panel, y by row
     for place, row, known in zip(values.index, values.to_numpy(), shown.to_numpy(), strict=True):
-        far = [pair for pair, near in zip(zip(row, looks, strict=True), known, strict=True) if not near]
+        cells = zip(row, quantities.values(), known, strict=True)
+        far = [(value, look) for value, (_, look), near in cells if not near]
         for k, (value, look) in enumerate(far):
             x = _WRITTEN * k + _SIGN
             axes.plot(x, place, transform=across, ls="none", color=style.STROKES[look]["color"], **_MARKS[look])
@@ -203,11 +186,12 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
             words.set(fontsize=style.SMALL_SIZE, va="center_baseline")
 
 
-@_figure("ablation", "Headline numbers by reading", draw_readings, inputs=("ablation",))
-def readings_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+@_figure("Headline numbers by reading", draw_readings, inputs=("ablation",))
+def ablation_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Mean total similarity under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4
     (left), on the simulated arm's identification run and on the validation motions (middle), and on the validation
     motions the refined Algorithm 1, least squares and the true parameters (right). Vertical lines are the default
     reading. Values far below it stand as numbers in the grey strip.
     """
-    return ablation_figure(read_csv(inputs["table"][0], ("question", "reading", *HEADLINES)))
+    table = read_csv(inputs["table"][0], ("question", "reading", *interpretations.HEADLINES))
+    return interpretations.ablation_figure(table)

@@ -39,14 +39,14 @@ def environment(folder: Path) -> Environment:
 
 def policy(style: str, script: str | None = None) -> str:
     """Content security policy: this style, this script if any, pictures in data URIs, nothing else."""
-    allowed = [f"style-src 'sha256-{_digest(style)}'"]
-    if script is not None:
-        allowed.append(f"script-src 'sha256-{_digest(script)}'")
+    sources = {"style": style} if script is None else {"style": style, "script": script}
+    digests = {name: _base64(hashlib.sha256(text.encode()).digest()) for name, text in sources.items()}
+    allowed = [f"{name}-src 'sha256-{digest}'" for name, digest in digests.items()]
     return "; ".join(["default-src 'none'", "img-src data:", *allowed, "base-uri 'none'", "form-action 'none'"])
 
 
-def _digest(text: str) -> str:
-    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+def _base64(content: bytes) -> str:
+    return base64.b64encode(content).decode()
 
 
 #: A file up to this many bytes is held in the page; a larger one is linked where it lies.
@@ -77,7 +77,7 @@ def embedded(png: bytes, scale: float) -> Picture:
     """Embed an image, shown at `scale` CSS pixels for a pixel."""
     with Image.open(io.BytesIO(png), formats=["PNG"]) as image:
         width, height = (round(scale * pixels) for pixels in image.size)
-    return Picture(_uri(png, "image/png"), width, height)
+    return Picture(f"data:image/png;base64,{_base64(png)}", width, height)
 
 
 def picture(path: Path) -> Picture:
@@ -90,17 +90,11 @@ def picture(path: Path) -> Picture:
 
 def link(path: Path, page: Path) -> Link:
     """Link to a data file, held in the page if it is small."""
-    content = read_bytes(path, f"a {path.suffix[1:].upper()} file")
-    media = "text/csv" if path.suffix == ".csv" else "text/plain"
-    kind, size = path.suffix[1:].upper(), _size(len(content))
-    if len(content) <= LARGEST_DOWNLOAD and path.suffix != ".pdf":
-        return Link(f"{kind} ({size})", _uri(content, f"{media};charset=utf-8"), path.name)
+    kind = path.suffix[1:].upper()
+    content = read_bytes(path, f"a {kind} file")
+    count = len(content)
+    size = f"{count / 1e6:.1f} MB" if count >= 100_000 else f"{max(count / 1e3, 0.1):.1f} kB"
+    if count <= LARGEST_DOWNLOAD and kind != "PDF":
+        media = "text/csv" if kind == "CSV" else "text/plain"
+        return Link(f"{kind} ({size})", f"data:{media};charset=utf-8;base64,{_base64(content)}", path.name)
     return Link(f"{kind} ({size}, next to this report)", quote(Path(os.path.relpath(path, page.parent)).as_posix()), "")
-
-
-def _size(count: int) -> str:
-    return f"{count / 1e6:.1f} MB" if count >= 100_000 else f"{max(count / 1e3, 0.1):.1f} kB"
-
-
-def _uri(content: bytes, kind: str) -> str:
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

@@ -13,10 +13,10 @@ from markupsafe import Markup
 
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
-from repro.exhibits.declare import Exhibit, shown
+from repro.exhibits.declare import Exhibit, read_shown
 from repro.exhibits.markup import SUPERSCRIPTS, TIMES
 from repro.exhibits.markup import unit as unit_text
-from repro.exhibits.style import METHODS, title_of
+from repro.exhibits.style import title_of
 from repro.files import read_csv, read_rows, write_text
 from repro.paper.claims import (
     BETTER,
@@ -68,11 +68,8 @@ def _files(exhibit: Exhibit, results: Path, figures: Path) -> list[Path]:
 def made_on_request(results: Path, figures: Path) -> str:
     """Digest of the optional results that exist: the report shows them, although its rule does not require them."""
     files = (path for one in (*TABLES, *FIGURES) if one.optional for path in _files(one, results, figures))
-    digest = hashlib.sha256()
-    for path in files:
-        if path.is_file():
-            digest.update(path.name.encode() + path.read_bytes())
-    return f"results made on request {digest.hexdigest()[:12]}"
+    content = b"".join(path.name.encode() + path.read_bytes() for path in files if path.is_file())
+    return f"results made on request {hashlib.sha256(content).hexdigest()[:12]}"
 
 
 def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
@@ -85,7 +82,7 @@ def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
         "exhibit": exhibit,
         "links": [link(path, inputs.page) for path in needed[:2] if path in present],
         "missing": len(present) < len(needed),
-        "table": shown(exhibit, numbers) if is_table and numbers in present else None,
+        "table": read_shown(exhibit, numbers) if is_table and numbers in present else None,
         "picture": picture(image) if not is_table and image in present else None,
     }
 
@@ -141,19 +138,15 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
 def _cells(row: Mapping[str, str]) -> dict[str, Cell]:
     unit, published = row["unit"].strip(), row["published"].strip()
     shown = "" if unit in _NO_UNIT else f"\N{NO-BREAK SPACE}{unit_text(unit).md}"
-    decimals = _decimals(published)
+    whole, _, part = published.partition(".")
+    # One more than published; None if the number is not a plain decimal.
+    decimals = len(part) + 1 if _NUMBER.fullmatch(published) and (whole + part).lstrip("+-").isdigit() else None
     return {
         "published": _cell(published, None, shown),
         "ours": _cell(row["ours"], decimals, shown),
         "difference": _cell(row["difference"], decimals, signed=True),
         "tolerance": _cell(row["tolerance"], decimals),
     }
-
-
-def _decimals(published: str) -> int | None:
-    """Decimals to show ours with: one more than published; None if the number is not a plain decimal."""
-    whole, _, part = published.partition(".")
-    return len(part) + 1 if _NUMBER.fullmatch(published) and (whole + part).lstrip("+-").isdigit() else None
 
 
 def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False) -> Cell:
@@ -175,8 +168,6 @@ def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False)
     return Cell(shown.replace("-", _MINUS) + unit, repr(value))
 
 
-#: The paper's method as listed, and the opponent that the paper chose.
-_PUBLISHED, _OPPONENT = "algorithm1", "least-squares"
 _WORDS = {
     monte_carlo.BETTER: "Yes",
     monte_carlo.WORSE: "No",
@@ -187,21 +178,20 @@ _WORDS = {
 
 def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
     """The answer in one sentence, and the comparisons on all arms that it rests on."""
+    method, opponent = "algorithm1", "least-squares"  # as listed in the paper, and the opponent that the paper chose
     path = inputs.results / "tables" / "verdict.csv"
     table = read_csv(path, monte_carlo.COMPARISON_COLUMNS)
     table = table[table["set"] == monte_carlo.ALL]
     table = table.assign(points=[_points(row) for row in table.to_dict("records")])
-    asked = table[(table["method"] == _PUBLISHED) & (table["opponent"] == _OPPONENT)]
+    asked = table[(table["method"] == method) & (table["opponent"] == opponent)]
     if asked.empty:
-        found = f"no {_PUBLISHED!r} against {_OPPONENT!r} on {SPAN}"
-        raise InputError.at(f"{path}: method", found, f"rows of {_PUBLISHED}")
+        found = f"no {method!r} against {opponent!r} on {SPAN}"
+        raise InputError.at(f"{path}: method", found, f"rows of {method}")
     conclusions = set(asked["conclusion"])
     yes = _WORDS[conclusions.pop()] if len(conclusions) == 1 else "Not throughout"
     parts = [f"{row['points']} after {row['duration']:.4g} s" for row in asked.to_dict("records")]
-    words = (
-        f"{yes}: over {int(table['arms'].max())} simulated arms, Algorithm 1 as listed differs from least squares by "
-        f"{' and '.join(parts)}."
-    )
+    arms = f"over {int(table['arms'].max())} simulated arms"
+    words = f"{yes}: {arms}, Algorithm 1 as listed differs from least squares by {' and '.join(parts)}."
     titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
     return words, table.assign(**titles).to_dict("records")
 
@@ -221,14 +211,13 @@ def closing_lines(results: Path, figures: Path, config_files: Sequence[str | Pat
     for method in ("algorithm1", "least-squares", "bounded"):
         own = scores[scores["method"] == method]
         on_id, unseen = (100.0 * own[rows]["total"] for rows in (own["case"] == "ID", own["case"] != "ID"))
-        lines.append(f"  {METHODS[method].title:<64}{'  '.join(f'{x:.2f}' for x in on_id)}  {unseen.mean():.2f}")
+        lines.append(f"  {title_of(method):<64}{'  '.join(f'{x:.2f}' for x in on_id)}  {unseen.mean():.2f}")
     claims = pd.read_csv(results / "claims.csv", keep_default_na=False)
     numbers = claims.assign(ours=pd.to_numeric(claims["ours"], errors="coerce"))
     page = results / "report/index.html"
     overlaid = f" --config {' '.join(map(str, config_files))}" if len(config_files) > 1 else ""
     check = f"check: .venv/bin/repro verify --results {results}{overlaid}"
-    places = (f"report: {page}", f"figures: {figures}", check)
-    return [*lines, "", *summary(numbers), "", *places]
+    return [*lines, "", *summary(numbers), "", f"report: {page}", f"figures: {figures}", check]
 
 
 _TEMPLATES = Path(__file__).parent
@@ -273,9 +262,8 @@ def build_report(inputs: ReportInputs) -> str:
 
 def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
     """Name and SHA-256 of every recorded file."""
-    hashes = []
-    lines = read_bytes(inputs.captures, "SHA-256 sums").decode("utf-8", "replace").splitlines()
-    for number, line in enumerate(lines, start=1):
+    hashes, sums = [], read_bytes(inputs.captures, "SHA-256 sums").decode("utf-8", "replace")
+    for number, line in enumerate(sums.splitlines(), start=1):
         digest, _, name = line.partition("  ")
         if len(digest) != 64 or not name:
             raise InputError.at(f"{inputs.captures}: line {number}", repr(line), "a SHA-256, two blanks and a name")
@@ -283,24 +271,21 @@ def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
     return hashes
 
 
-#: Where the networks come from, by ``training.source``.
-NETWORKS = {"trained": "trained in this run", "stored": "networks that come with the project, not trained in this run"}
-
-
 def make_report(captures: str, checkout: str, overlays: Sequence[str], config: Config) -> None:
     """Write ``report/index.html`` in the results folder."""
-    source = config["training"]["source"]
+    stored = "networks that come with the project, not trained in this run"
+    is_stored = config["training"]["source"] == "stored"
     # No times: the same commit, configuration and results give the same page.
     provenance = {
         "commit": commit(Path(checkout)),
-        "networks": NETWORKS[source],
+        "networks": stored if is_stored else "trained in this run",
         **{f"packages.{name}": version for name, version in package_versions().items()},
         "python": platform.python_version(),
     }
     names = ", ".join(Path(name).name for name in overlays)
     notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
-    if source == "stored":
-        notice = f"{notice} {NETWORKS['stored'].capitalize()}.".strip()
+    if is_stored:
+        notice = f"{notice} {stored.capitalize()}.".strip()
     folders = (Path(config["results"]), Path(config["figures"]), Path(captures))
     inputs = ReportInputs(*folders, config_digest(config), provenance, notice)
     write_text(inputs.page, build_report(inputs))
