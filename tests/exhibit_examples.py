@@ -1,7 +1,7 @@
 """Examples of the numbers of every figure and table, and how tests draw, lay out and refuse them."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from repro.cnn.architecture import NetworkSettings
 from repro.errors import InputError
 from repro.exhibits import catalogue, declare, style
 from repro.exhibits.many_arms import RANKS
+from repro.exhibits.panels import long_table
 from repro.exhibits.schematics import words
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
@@ -37,28 +38,25 @@ FIGURES = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "figure"}
 LAYOUTS = {e.name: e.draw for e in catalogue.EXHIBITS if e.kind == "table"}
 
 
-def long_table(panels: dict[str, tuple[str, ...]], x: np.ndarray, y: Callable[[int], np.ndarray]) -> pd.DataFrame:
-    rows = [(panel, name) for panel, series in panels.items() for name in series]
-    frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": y(i)}) for i, (p, s) in enumerate(rows)]
-    return pd.concat(frames, ignore_index=True)
+def series_of(panels: dict[str, tuple[str, ...]]) -> Iterator[tuple[int, tuple[str, str]]]:
+    return enumerate((panel, name) for panel, series in panels.items() for name in series)
 
 
 def waves(panels: dict[str, tuple[str, ...]], n: int = 60) -> pd.DataFrame:
     t = np.linspace(0.0, 9.4, n)
-    return long_table(panels, t, lambda i: np.sin(t + 0.3 * i) * (1 + i))
+    return long_table((*names, t, np.sin(t + 0.3 * i) * (1 + i)) for i, names in series_of(panels))
 
 
 def bands(panels: dict[str, tuple[str, ...]]) -> pd.DataFrame:
     k = np.arange(200.0)
-    return long_table(panels, k / 18.85, lambda i: 30.0 * np.cos(k + i) * np.exp(-k / 8))
+    return long_table((*names, k / 18.85, 30.0 * np.cos(k + i) * np.exp(-k / 8)) for i, names in series_of(panels))
 
 
 def subsampling_frame() -> pd.DataFrame:
     t = np.arange(64.0)
     parts = {("signal", "x"): t / 10, ("spectrum", "kept"): t[:16], ("spectrum", "dropped"): t[16:]}
     parts[("subsampled", "xs")] = t[:16] * 0.4
-    frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": np.cos(x)}) for (p, s), x in parts.items()]
-    return pd.concat(frames, ignore_index=True)
+    return long_table((*names, x, np.cos(x)) for names, x in parts.items())
 
 
 def index_frame(shape: dict[str, int]) -> pd.DataFrame:
@@ -109,13 +107,9 @@ def setup_frame() -> pd.DataFrame:
 
 
 def paths_frame() -> pd.DataFrame:
-    t = np.linspace(0.0, 6.0, 50)
-    frames = [
-        pd.DataFrame({"panel": case, "series": name, "x": size * np.cos(t), "y": size * np.sin(t) - 0.2})
-        for case in MOTIONS
-        for name, size in (("desired", 0.0315), ("actual", 0.031))
-    ]
-    return pd.concat(frames, ignore_index=True)
+    t, sizes = np.linspace(0.0, 6.0, 50), {"desired": 0.0315, "actual": 0.031}
+    both = itertools.product(MOTIONS, sizes.items())
+    return long_table((case, name, size * np.cos(t), size * np.sin(t) - 0.2) for case, (name, size) in both)
 
 
 def why_figure_frame() -> pd.DataFrame:
@@ -185,10 +179,10 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     "spread": spread_frame,
     "why": why_figure_frame,
     "coverage": ranks_frame,
-    "paper_recipe": lambda: pd.concat(
-        pd.DataFrame({"panel": "loss", "series": name, "x": [1e3, 1e4, 1e5], "y": [0.01, 0.003, last]})
+    "paper_recipe": lambda: long_table(
+        ("loss", name, [1e3, 1e4, 1e5], [0.01, 0.003, last])
         for name, last in zip(RECIPES, (3e-4, 9e-4, 6e-4), strict=True)
-    ).reset_index(drop=True),
+    ),
     "metric_search": candidates_frame,
     "factorial": lambda: effects(factorial_scores()),
     "ablation": lambda: ablation_figure(readings_frame()),
@@ -202,18 +196,20 @@ as_text = partial(pd.read_csv, dtype=str, keep_default_na=False)
 TABLES = {name: partial(as_text, REFERENCE / f"{name}.csv") for name in LAYOUTS} | {"ablation": readings_frame}
 
 
-def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, bytes]:
-    out = {kind: folder / f"{name}.{kind}" for kind in ("csv", "pdf", "png")}
+def written(kind: str, folder: Path, name: str, frame: pd.DataFrame, *endings: str) -> list[Path]:
+    """Files of an exhibit that are made of its CSV."""
+    out = {ending: folder / f"{name}.{ending}" for ending in ("csv", *endings)}
     frame.to_csv(out["csv"], index=False)
-    declare.show(EXHIBITS["figure", name], out)
-    return out["pdf"].read_bytes(), out["png"].read_bytes()
+    declare.show(EXHIBITS[kind, name], out)
+    return [out[ending] for ending in endings]
 
 
-def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, str]:
-    out = {kind: folder / f"{name}.{kind}" for kind in ("csv", "tex", "md")}
-    frame.to_csv(out["csv"], index=False)
-    declare.show(EXHIBITS["table", name], out)
-    return out["tex"].read_text(encoding="utf-8"), out["md"].read_text(encoding="utf-8")
+def drawn(folder: Path, name: str, frame: pd.DataFrame) -> tuple[bytes, ...]:
+    return tuple(path.read_bytes() for path in written("figure", folder, name, frame, "pdf", "png"))
+
+
+def laid_out(folder: Path, name: str, frame: pd.DataFrame) -> tuple[str, ...]:
+    return tuple(path.read_text(encoding="utf-8") for path in written("table", folder, name, frame, "tex", "md"))
 
 
 def made(name: str, frame: pd.DataFrame) -> Figure:

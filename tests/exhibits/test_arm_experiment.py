@@ -16,8 +16,7 @@ from repro.exhibits.arm_experiment import shown_estimates, stability_table
 from repro.pipeline.experiment import true_parameters
 from repro.pipeline.identifications import every_seed
 
-CONFIG = short_config()
-TRUE = true_parameters(CONFIG)
+TRUE = true_parameters(short_config())
 RUNS = [*(identification(seed, TRUE) for seed in ERROR), least_squares_run(TRUE)]
 
 

@@ -60,13 +60,10 @@ def optional(tmp_path_factory):
 @pytest.mark.parametrize(
     ("kind", "name", "rows"),
     [
-        ("table", "factorial", 57),
-        ("figure", "factorial", 57),
-        ("table", "factorial_cells", 72),
-        ("table", "paper_recipe", 54),
-        ("figure", "paper_recipe", 6),
+        ("table", "factorial", 57), ("figure", "factorial", 57), ("table", "factorial_cells", 72),
+        ("table", "paper_recipe", 54), ("figure", "paper_recipe", 6),
     ],
-)
+)  # fmt: skip
 def test_optional_exhibits_are_computed_and_drawn(optional, tmp_path, file_regression, kind, name, rows):
     exhibit = EXHIBITS[kind, name]
     frame = exhibit.numbers(optional[name], {section: CONFIG[section] for section in exhibit.sections})

@@ -16,7 +16,6 @@ from repro.exhibits.markup import formula, plain, unit
 Point = tuple[float, float]
 
 # Measures of the drawing, in; the pose is any that keeps all symbols apart.
-_ARM_HEIGHT = 3.72
 _BASE: Point = (1.05, 3.27)
 _LINKS = (1.25, 1.15)
 _CENTRES = (0.66, 0.62)  # from the joint to the centre of mass
@@ -101,7 +100,7 @@ def _key(axes: Axes, table: pd.DataFrame) -> None:
 
 def draw_arm(frame: pd.DataFrame) -> Figure:
     """Two-link arm with its symbols (Fig. 1)."""
-    figure, axes = style.inches(style.COLUMN, _ARM_HEIGHT)
+    figure, axes = style.inches(style.COLUMN, 3.72)
     x, y = _BASE
     mount = Rectangle((x - 0.2, y + 0.29), 0.4, 0.08, facecolor="white", hatch="/////", lw=0.0, ec=style.INK)
     mount.set_hatch_linewidth(0.5)

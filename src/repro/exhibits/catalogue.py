@@ -30,16 +30,15 @@ def _ordered(kind: Kind) -> tuple[Exhibit, ...]:
 TABLES, FIGURES = _ordered("table"), _ordered("figure")
 EXHIBITS = (*TABLES, *FIGURES, AUDIT)
 
-#: Folders of results all of whose floats depend on a network, a random search, or arms that are simulated again: the
-#: loop of a light arm is chaotic, so that another last bit moves a score of any method by up to 0.1 (docs/numbers.md).
-TRAINED_FOLDERS = ("model/", "factorial/", "coverage/", "spread/")
-
 
 def tolerances() -> Tolerances:
     """How two runs may differ, by what each exhibit declares and by the measured spread of the networks."""
+    # All floats here depend on a network, a random search, or arms that are simulated again: the loop of a light arm is
+    # chaotic, so that another last bit moves a score of any method by up to 0.1 (docs/numbers.md).
+    folders = ("model/", "factorial/", "coverage/", "spread/")
     tables = frozenset(f"{each.kind}s/{each.name}" for each in EXHIBITS if each.trained == "all")
     targets = frozenset(("training", *(each.target for each in EXHIBITS if each.trained == "claims")))
-    return Tolerances(TRAINED_FOLDERS, tables, targets, measured_spread())
+    return Tolerances(folders, tables, targets, measured_spread())
 
 
 #: Targets that have a section of their own in the report.

@@ -81,8 +81,8 @@ def why_layout(frame: pd.DataFrame) -> Table:
         "Algorithm 1 on the simulated arm with the motions of the training and the motion of line 18 crossed: mean "
         f"over {seeds} seeds of guesses ± their standard deviation, one network for each kind of training."
     )
-    names = ("Trained on", "f of line 18 on", *RESPONSES.values())
-    return Table(caption, "llrr", [plain(name) for name in names], blocks)
+    header = [*map(plain, ("Trained on", "f of line 18 on", *RESPONSES.values()))]
+    return Table(caption, "llrr", header, blocks)
 
 
 def draw_why(frame: pd.DataFrame) -> Figure:

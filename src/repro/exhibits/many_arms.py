@@ -176,22 +176,20 @@ def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 #: Methods of the figure; the literal Algorithm 1 would leave the others on one line.
 DRAWN = ("algorithm1+tracked", "algorithm1+refinement", "least-squares", "bounded", "true")
-#: Widths in units of one duration's group: all methods together, and the points of one of them.
-_GROUP, _SCATTER = 0.8, 0.5
 
 
 def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str], durations: list[float]) -> None:
     """Draw each run as a mark, side by side in the order of the seeds, and a bar at the median."""
-    step = _GROUP / len(methods)
+    step = 0.8 / len(methods)  # in units of one duration's group
     for place, method in enumerate(methods):
         colour, label = style.STROKES[method]["color"], style.SERIES_LABELS[method]
         for group, duration in enumerate(durations):
             chosen = runs[(runs["method"] == method) & (runs["duration"] == duration)].sort_values("seed")
             totals = 100.0 * chosen["total"].to_numpy()
             centre = group + (place - (len(methods) - 1) / 2) * step
-            offsets = np.linspace(-0.5, 0.5, totals.size) if totals.size > 1 else np.zeros(totals.size)
+            offsets = np.linspace(-0.25, 0.25, totals.size) if totals.size > 1 else np.zeros(totals.size)
             marks = {"ls": "none", "color": colour, "alpha": 0.75, **style.MARKS[method], "markersize": 2.6}
-            axes.plot(centre + _SCATTER * step * offsets, totals, label=label, **marks)
+            axes.plot(centre + step * offsets, totals, label=label, **marks)
             if totals.size:
                 middle = 100.0 * float(chosen["median"].iloc[0])
                 axes.hlines(middle, centre - 0.45 * step, centre + 0.45 * step, color=colour, lw=1.8)

@@ -76,7 +76,6 @@ KINDS = ("input", "convolution", "max pool", "fully connected", "output")
 _ACTIVATIONS = {**dict.fromkeys(("conv1", "conv2", "conv3", "fc4", "fc5"), "ReLU"), "output": "sigmoid"}
 _FILLS = dict(zip(KINDS, ("white", style.FILL_DARK, style.FILL_LIGHT, "#f3c77d", "#b3541e"), strict=True))
 # Measures of the drawing, in.
-_HEIGHT = 2.15
 _LARGEST = 0.74  # side of the largest map, or length of the longest bar
 _SHEET = 0.016  # shift from one map of a stack to the next
 _BAR = 0.09  # width of a fully connected layer
@@ -135,7 +134,7 @@ def draw_network(frame: pd.DataFrame) -> Figure:
     layers = frame.fillna({"kernel": ""})
     is_map = layers["kind"].isin(KINDS[:3])
     scale = _LARGEST / layers["channels"].where(~is_map, layers[["height", "width"]].max(axis=1)).max()
-    figure, axes = style.inches(style.PAGE, _HEIGHT)
+    figure, axes = style.inches(style.PAGE, 2.15)
     for row, heading in enumerate(("Layer", "Kernel", "Activation", "Output", "Parameters")):
         axes.text(_MARGIN, _FIRST_ROW - _ROW * row, heading, fontsize=style.SMALL_SIZE, style="italic")
     drawn = [_Drawn(layer, scale) for layer in layers.to_dict("records")]

@@ -47,11 +47,8 @@ def table02(_: Inputs, __: Config) -> pd.DataFrame:
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
 
 
-#: Bands in view, as a multiple of the bands kept: enough of the dropped ones to see how small they are.
-_VIEW = 1.5
-#: Height of the row of boxes, in panel heights, and the part of the figure left to the panels.
+#: Height of the row of boxes, in panel heights.
 _BOX_ROW = 1.16
-_PANEL_PART = 0.83
 
 
 def _steps(figure: Figure, axes: Sequence[Axes], names: Sequence[str], operations: Sequence[str]) -> None:
@@ -79,7 +76,7 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
     kept, dropped = curves["spectrum"]["kept"], curves["spectrum"]["dropped"]
 
     figure = style.new_figure(style.PAGE, 2.55)
-    figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, _PANEL_PART))
+    figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, 0.83))  # the boxes have the rest
     signal, spectrum, subsampled = figure.subplots(1, 3)
     blue = style.STROKES["joint1"]["color"]
     signal.plot(*x, color=blue, lw=1.0)
@@ -88,7 +85,7 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
     for axes in (signal, subsampled):
         axes.set(xlabel=panels.TIME, ylabel=panels.TORQUE, ylim=(min(low1, low2), max(high1, high2)))
 
-    end = _VIEW * kept[0].size
+    end = 1.5 * kept[0].size  # enough of the dropped bands to see how small they are
     seen = dropped[0] <= end
     spectrum.vlines(*kept[:1], 0.0, kept[1], color=blue, lw=0.9, label="Kept bands")
     spectrum.vlines(dropped[0][seen], 0.0, dropped[1][seen], color=style.SET_ASIDE, lw=0.9, label="Dropped bands")
@@ -119,14 +116,9 @@ def fig05(_: Inputs, config: Config) -> pd.DataFrame:
     bands, m = spectrum(x), signals.samples
     k = np.arange(x.size)
     time_sub = (np.arange(m) + 0.5) * x.size / m * signals.h  # the DCT-II samples the middle of each cell
-    return panels.long_table(
-        [
-            ("signal", "x", motion.time, x),
-            ("spectrum", "kept", k[:m], bands[:m]),
-            ("spectrum", "dropped", k[m:], bands[m:]),
-            ("subsampled", "xs", time_sub, dct2sub(x, m)),
-        ]
-    )
+    parts = [("signal", "x", motion.time, x), ("spectrum", "kept", k[:m], bands[:m])]
+    parts += [("spectrum", "dropped", k[m:], bands[m:]), ("subsampled", "xs", time_sub, dct2sub(x, m))]
+    return panels.long_table(parts)
 
 
 def motion_curves(motion: Motion) -> pd.DataFrame:

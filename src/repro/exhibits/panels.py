@@ -47,8 +47,8 @@ def plot_series(axes: Axes, name: str, curve: Points) -> None:
 
 def plot_deviation(axes: Axes, level: pd.Series, share: pd.Series, look: str, label: str) -> None:
     """Draw by how many points a share deviates from its level, in the colour and dashes of another series."""
-    level = 100.0 * level.to_numpy()
-    axes.plot(level, 100.0 * share.to_numpy() - level, label=label, **{**style.STROKES[look], "linewidth": 1.0})
+    x = 100.0 * level.to_numpy()
+    axes.plot(x, 100.0 * share.to_numpy() - x, label=label, **{**style.STROKES[look], "linewidth": 1.0})
 
 
 def plot_panel(axes: Axes, series: Mapping[str, Points]) -> None:
@@ -95,12 +95,8 @@ def draw_losses(
     return style.legend_above(figure, axes, columns)
 
 
-#: A curve alone over its reference that turns more often is drawn without dashes, which would look like stripes.
-_MOST_TURNS_DASHED = 40
 #: The view of a spectrum ends with the last band that reaches this part of its panel's largest coefficient.
 _BAND_IN_VIEW = 0.05
-#: Up to this many bands a spectrum is drawn as stems and marks; up to this many entries the legend is one row.
-_MOST_STEMS, _MOST_ABREAST = 90, 5
 #: Curves of one panel by series: first the reference, then whatever is compared with it.
 Compared = Mapping[str, Points]
 
@@ -109,7 +105,7 @@ def _plot_lines(axes: Axes, series: Compared) -> None:
     """Draw curves, thin and dark, over their reference, wide and light."""
     plot_panel(axes, series)
     turns = np.count_nonzero(np.diff(np.sign(np.diff(axes.lines[-1].get_ydata()))))
-    if len(series) == 2 and turns > _MOST_TURNS_DASHED:
+    if len(series) == 2 and turns > 40:  # dashes would look like stripes
         axes.lines[-1].set_linestyle("-")
 
 
@@ -160,7 +156,7 @@ def compare(
     if spectra:
         curves, note = _in_view(curves, [names[i : i + 2] for i in range(0, len(names), 2)] if by_row else [names])
         labels = ("Frequency (Hz)", COEFFICIENT)
-        if max(x.size for series in curves.values() for x, _ in series.values()) <= _MOST_STEMS:
+        if max(x.size for series in curves.values() for x, _ in series.values()) <= 90:  # room for stems and marks
             plot = _plot_stems
     grid = whole.subplots(rows, 2, sharex="row" if by_row else "all", squeeze=False, gridspec_kw={"wspace": 0.04})
     for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
@@ -170,7 +166,7 @@ def compare(
         axes.set_xlabel(labels[0])
     whole.align_ylabels()
     entries = len(grid[0, 0].get_legend_handles_labels()[0])
-    columns = entries if entries <= _MOST_ABREAST else 3  # long names come with the many
+    columns = entries if entries <= 5 else 3  # long names come with the many
     style.legend_above(whole, grid[0, 0], columns, legend_title)
     if note:
         whole.supxlabel(note, fontsize=style.SMALL_SIZE)

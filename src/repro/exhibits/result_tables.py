@@ -1,7 +1,7 @@
 """Tables of results: identified parameters (Tables 4, 5) and similarities (Tables 6, 7, 10)."""
 
 from collections.abc import Hashable, Mapping, Sequence
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 import pandas as pd
@@ -9,11 +9,13 @@ import pandas as pd
 from repro.exhibits.markup import Block, Table, Text, formula, number, plain, with_unit
 from repro.exhibits.style import METHODS, title_of
 
+_FACTORS = {"time": "Time", "frequency": "Freq.", "total": "Total"}
+
 
 def methods_of(table: pd.DataFrame) -> list[str]:
     """Methods of a table in the order of their blocks."""
-    found = list(dict.fromkeys(table["method"]))
-    return [name for name in METHODS if name in found] + [name for name in found if name not in METHODS]
+    known = list(METHODS)
+    return sorted(table["method"].unique(), key=lambda name: known.index(name) if name in known else len(known))
 
 
 def heading_of(method: str) -> Text:
@@ -60,14 +62,13 @@ def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Tab
     blocks = []
     for method in methods_of(frame):
         rows = []
-        for joint in (1, 2):
-            for factor, word in (("time", "Time"), ("frequency", "Freq."), ("total", "Total")):
-                cells = [plain(word) + Text("~", " ") + formula(f"tau{joint}")]
-                for case in cases:
-                    row = found[method, case, joint]
-                    spread = 100.0 * row["total_sd"] if factor == "total" and row["seeds"] > 1 else None
-                    cells.append(number(100.0 * row[factor], 2, spread))
-                rows.append(cells)
+        for joint, (factor, word) in product((1, 2), _FACTORS.items()):
+            cells = [plain(word) + Text("~", " ") + formula(f"tau{joint}")]
+            for case in cases:
+                row = found[method, case, joint]
+                spread = 100.0 * row["total_sd"] if factor == "total" and row["seeds"] > 1 else None
+                cells.append(number(100.0 * row[factor], 2, spread))
+            rows.append(cells)
         blocks.append((heading_of(method), rows))
     seeds = frame["seeds"].max()
     of_seeds = "one seed."

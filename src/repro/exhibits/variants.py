@@ -111,12 +111,8 @@ _MARKS = {
     "joint2": {"marker": "s", "markersize": 3.2, "fillstyle": "none", "markeredgewidth": 0.8},
     **style.MARKS,
 }
-#: Axes reach down to this far below the default's lowest value, points of a percent; what is lower is written out.
-_REACH = 10.0
 #: Width of one value written out, and of its mark, as a share of the panel.
 _WRITTEN, _SIGN = 0.17, 0.03
-#: Gap above a question, rows; height of a row, and of what is not rows, in.
-_GAP, _ROW, _REST = 0.35, 0.14, 1.0
 
 
 def draw_readings(frame: pd.DataFrame) -> Figure:
@@ -126,7 +122,7 @@ def draw_readings(frame: pd.DataFrame) -> Figure:
     for question, chosen in grouped(frame):
         wide = 100.0 * chosen.pivot(index="reading", columns="quantity", values="value")
         if question != DEFAULT:
-            place += _GAP
+            place += 0.35  # rows
             headings.append(len(labels))
             labels[place] = question
             place += 1.0
@@ -135,7 +131,7 @@ def draw_readings(frame: pd.DataFrame) -> Figure:
             labels[place] = f"Default: {reading}" if question == DEFAULT else str(reading)
             place += 1.0
     values = pd.DataFrame(rows).T
-    drawn, panels = style.new_panels(style.PAGE, _REST + _ROW * place, 1, len(_PANELS), sharey=True)
+    drawn, panels = style.new_panels(style.PAGE, 1.0 + 0.14 * place, 1, len(_PANELS), sharey=True)
     for axes, (title, quantities) in zip(panels, _PANELS.items(), strict=True):
         _plot_panel(axes, values[list(quantities)], quantities)
         axes.set(title=title, xlabel="Total similarity (%)")
@@ -153,7 +149,7 @@ def draw_readings(frame: pd.DataFrame) -> Figure:
 
 def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[str, str]]) -> None:
     """Draw the values of each row, those of the first as lines; what lies far below them is written out."""
-    shown = values >= values.iloc[0].min() - _REACH
+    shown = values >= values.iloc[0].min() - 10.0  # points of a percent below the lowest of the default
     low, high = float(values[shown].min().min()), float(values[shown].max().max())
     margin = 0.06 * max(high - low, 1.0)
     low, high = low - margin, min(high + margin, 100.0 + margin)

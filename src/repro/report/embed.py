@@ -4,8 +4,8 @@ import base64
 import hashlib
 import io
 import os
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -51,12 +51,9 @@ def _base64(content: bytes) -> str:
 
 #: A file up to this many bytes is held in the page; a larger one is linked where it lies.
 LARGEST_DOWNLOAD = 64_000
-#: Pixels on the screen for one pixel of the picture: drawn at 300 dpi, shown at 1.25 times the printed size.
-_SHOWN = 1.25 * 96.0 / 300.0
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A picture in the page: its data URI and the size it is shown at, in CSS pixels."""
 
     uri: str
@@ -64,8 +61,7 @@ class Picture:
     height: int
 
 
-@dataclass(frozen=True)
-class Link:
+class Link(NamedTuple):
     """A link to data."""
 
     text: str  # what the link says: the kind of file and its size
@@ -83,7 +79,8 @@ def embedded(png: bytes, scale: float) -> Picture:
 def picture(path: Path) -> Picture:
     """Embed a PNG file."""
     try:
-        return embedded(read_bytes(path, "a PNG image"), _SHOWN)
+        # Drawn at 300 dpi, shown at 1.25 times the printed size.
+        return embedded(read_bytes(path, "a PNG image"), 1.25 * 96.0 / 300.0)
     except (UnidentifiedImageError, OSError) as error:
         raise InputError.at(str(path), "a file that is not an image", "a PNG image") from error
 

@@ -18,18 +18,7 @@ from repro.exhibits.markup import SUPERSCRIPTS, TIMES
 from repro.exhibits.markup import unit as unit_text
 from repro.exhibits.style import title_of
 from repro.files import read_csv, read_rows, write_text
-from repro.paper.claims import (
-    BETTER,
-    CAUSES,
-    DIFFERS,
-    EXTENSION,
-    REPRODUCED,
-    VERDICTS,
-    Basis,
-    broken,
-    by_basis,
-    summary,
-)
+from repro.paper import claims as ledger
 from repro.pipeline import monte_carlo
 from repro.pipeline.job import Config
 from repro.pipeline.provenance import commit, config_digest, package_versions
@@ -88,13 +77,17 @@ def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
 
 
 #: Verdicts that the first section counts together; the others are open.
-_GROUPS = {REPRODUCED: "agree", BETTER: "agree", DIFFERS: "differ"}
+_GROUPS = {ledger.REPRODUCED: "agree", ledger.BETTER: "agree", ledger.DIFFERS: "differ"}
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
     "cause", "target", "note",
 )  # fmt: skip
-_ALLOWED = {"basis": tuple(str(basis) for basis in Basis), "asserted": ("", *VERDICTS), "cause": ("", *CAUSES)}
+_ALLOWED = {
+    "basis": tuple(str(basis) for basis in ledger.Basis),
+    "asserted": ("", *ledger.VERDICTS),
+    "cause": ("", *ledger.CAUSES),
+}
 _ID = re.compile(r"[\w./+:,()@-]+")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _NO_UNIT = ("", "1", "-", "not printed")
@@ -123,15 +116,16 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
                 raise InputError.at(f"{place}: {name}", "nothing", "text")
         if not _ID.fullmatch(row["id"]) or row["id"] in seen:
             raise InputError.at(f"{place}: id", repr(row["id"]), "an id without blanks, used once")
-        if row["verdict"] not in VERDICTS:
-            raise InputError.at(f"{place}: verdict", repr(row["verdict"]), f"one of {', '.join(VERDICTS)}")
+        if row["verdict"] not in ledger.VERDICTS:
+            raise InputError.at(f"{place}: verdict", repr(row["verdict"]), f"one of {', '.join(ledger.VERDICTS)}")
         for name, allowed in _ALLOWED.items():
             if row[name] not in allowed:
                 raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, allowed))}")
         seen.add(row["id"])
-    lost = set(broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
+    lost = set(ledger.broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
     return [
-        {**row, **_cells(row), "extension": EXTENSION in row["id"], "satisfied": row["id"] not in lost} for row in rows
+        {**row, **_cells(row), "extension": ledger.EXTENSION in row["id"], "satisfied": row["id"] not in lost}
+        for row in rows
     ]
 
 
@@ -217,7 +211,7 @@ def closing_lines(results: Path, figures: Path, config_files: Sequence[str | Pat
     page = results / "report/index.html"
     overlaid = f" --config {' '.join(map(str, config_files))}" if len(config_files) > 1 else ""
     check = f"check: .venv/bin/repro verify --results {results}{overlaid}"
-    return [*lines, "", *summary(numbers), "", f"report: {page}", f"figures: {figures}", check]
+    return [*lines, "", *ledger.summary(numbers), "", f"report: {page}", f"figures: {figures}", check]
 
 
 _TEMPLATES = Path(__file__).parent
@@ -227,12 +221,12 @@ def build_report(inputs: ReportInputs) -> str:
     """Lay out the report."""
     ledger_file, audit_file = inputs.results / "claims.csv", inputs.results / "tables" / "audit.csv"
     claims = read_claims(ledger_file)
-    counts = by_basis(pd.DataFrame(claims, columns=list(COLUMNS)))
+    counts = ledger.by_basis(pd.DataFrame(claims, columns=list(COLUMNS)))
     style, script = (Markup((_TEMPLATES / name).read_text("utf-8")) for name in ("report.css", "report.js"))
     templates = environment(_TEMPLATES)
     templates.filters["slug"] = lambda text: "-".join(str(text).split())
-    differing = [claim for claim in claims if claim["verdict"] == DIFFERS]
-    of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in CAUSES}
+    differing = [claim for claim in claims if claim["verdict"] == ledger.DIFFERS]
+    of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in ledger.CAUSES}
     text = templates.get_template("report.html").render(
         inputs=inputs,
         style=style,
@@ -241,11 +235,11 @@ def build_report(inputs: ReportInputs) -> str:
         claims=claims,
         claims_link=link(ledger_file, inputs.page),
         counts=counts[counts.any(axis=1)],
-        meanings=VERDICTS,
+        meanings=ledger.VERDICTS,
         grouped=counts.groupby(lambda verdict: _GROUPS.get(verdict, "open")).sum(),
         asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),
-        differing=[(CAUSES[name], own) for name, own in of_causes.items() if own],
+        differing=[(ledger.CAUSES[name], own) for name, own in of_causes.items() if own],
         audit=[{name: cell for name, cell in row.items() if name != "id"} for row in read_rows(audit_file)],
         audit_links=[link(path, inputs.page) for path in (audit_file, audit_file.with_suffix(".tex")) if path.exists()],
         tables=[show(exhibit, inputs) for exhibit in TABLES],

@@ -17,8 +17,6 @@ from matplotlib.figure import Figure
 from repro.files import atomic_write, write_text
 
 _HEAD = re.compile(r"^# %%(?P<text> \[markdown\])?.*\n", re.MULTILINE)
-#: Resolution of the page's figures.
-_DPI = 100
 
 
 def cells(source: str) -> Iterator[tuple[bool, str]]:
@@ -62,6 +60,6 @@ def run_tutorial(script: Path, page: Path) -> None:
             if figure is not None:
                 figures += 1
                 picture = page.with_name(f"{page.stem}-{figures}.png")
-                atomic_write(picture, partial(figure.savefig, dpi=_DPI, metadata={"Software": None}))
+                atomic_write(picture, partial(figure.savefig, dpi=100, metadata={"Software": None}))
                 parts.append(f"![Figure {figures}]({picture.name})")
     write_text(page, "\n\n".join(parts) + "\n")
