@@ -28,7 +28,7 @@ _table = partial(table, category="Experiment (simulated)")
 _of_runs = partial(_table, inputs=("arm",))
 _figure = partial(figure, category="Experiment (simulated)", sections=ARM)
 
-#: Methods whose torques the figures show; the literal Algorithm 1 only where parameters are identified.
+#: Methods in figures and in Table 9; the literal Algorithm 1 only where parameters are identified.
 SHOWN = ("algorithm1+refinement", "least-squares")
 SHOWN_ON_ID = ("algorithm1", *SHOWN)
 #: Highest frequency drawn, Hz; the filter leaves nothing above.
@@ -82,14 +82,10 @@ def table08(inputs: Inputs, config: Config) -> pd.DataFrame:
     return constants.assign(pwm_khz=pwm_khz, c_f=c_f)
 
 
-#: Methods of Table 9 that stand side by side.
-SIDE_BY_SIDE = ("algorithm1", "algorithm1+refinement", "least-squares")
-
-
 def parameter_layout(frame: pd.DataFrame) -> Table:
     """Lay out parameters of the arm, methods side by side."""
     names, cells, spread = parameter_cells(frame)
-    methods = [method for method in methods_of(frame) if method in SIDE_BY_SIDE]
+    methods = [method for method in methods_of(frame) if method in SHOWN_ON_ID]
     rows = []
     for name, label in names.items():
         (true, first), *others = (cells[method, CASE, name] for method in methods)
@@ -160,7 +156,7 @@ def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
     simulated arm.
     """
     estimates = {**_estimates(inputs), "appendix": experiment.mechanical_parameters(config)}
-    return stability_table(estimates, ("algorithm1", *SHOWN, "true", "appendix"))
+    return stability_table(estimates, (*SHOWN_ON_ID, "true", "appendix"))
 
 
 def _panel(recording: experiment.Recording, name: str) -> str:
@@ -203,9 +199,7 @@ _IDENTIFICATION = {"torque1": "Joint 1", "torque2": "Joint 2"}
 _VALIDATION = {f"{case} torque{j}": f"{case}, joint {j}" for case in VALIDATION for j in (1, 2)}
 _compare = partial(compare, legend_title=style.SIMULATED)
 _spectra = partial(_compare, spectra=True)
-_draw_motions = partial(
-    draw_motion, width=style.PAGE, height=4.3, cases=tuple(VALIDATION), legend_title=style.SIMULATED
-)
+_draw_motions = partial(draw_motion, width=style.PAGE, height=4.3, cases=VALIDATION, legend_title=style.SIMULATED)
 
 
 def draw_identification(frame: pd.DataFrame) -> Figure:

@@ -45,11 +45,8 @@ class Text:
 
     def __add__(self, other: "Text | str") -> "Text":
         """Append a piece, or signs that are the same in both."""
-        return (
-            Text(self.tex + other, self.md + other)
-            if isinstance(other, str)
-            else Text(self.tex + other.tex, self.md + other.md)
-        )
+        tex, md = (other, other) if isinstance(other, str) else (other.tex, other.md)
+        return Text(self.tex + tex, self.md + md)
 
     @property
     def bare(self) -> str:

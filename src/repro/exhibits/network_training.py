@@ -51,10 +51,9 @@ def table03(_: Inputs, config: Config) -> pd.DataFrame:
     """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
     network, training = network_settings(config), training_settings(config)
     layers = architecture(network)
-    numbers = {"fc4": "4", "fc5": "5", "output": "6"}
     rows = [("Input", f"{network.image_size} x {network.image_size} x 2"), ("Output", "9 parametric residuals")]
     for row in layers[layers["kind"] != "input"].to_dict("records"):
-        number = numbers.get(row["layer"], row["layer"][-1])
+        number = "6" if row["layer"] == "output" else row["layer"][-1]
         size = f"{row['height']} x {row['width']} x {row['channels']}"
         values = {"convolution": f"kernels {row['kernel']}, output {size}", "max pool": f"window 2 x 2, output {size}"}
         kind = row["kind"] if row["kind"] in values else "fully connected"

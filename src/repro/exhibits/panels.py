@@ -1,6 +1,6 @@
 """Curves in panels: long tables ``panel, series, x, y``, torques and spectra next to what was rebuilt."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import ceil
 from typing import Literal, cast
 
@@ -62,7 +62,7 @@ def draw_motion(
     frame: pd.DataFrame,
     width: float = style.COLUMN,
     height: float = 3.9,
-    cases: Sequence[str] = ("",),
+    cases: Collection[str] = ("",),
     legend_title: str | None = None,
 ) -> Figure:
     """Position, velocity and acceleration of both joints over time, a column for each case."""

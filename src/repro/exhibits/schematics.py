@@ -1,9 +1,8 @@
 """What the paper describes in words and pictures: Table 1, Figures 1 to 4 and 18.
 
-The paper's own pictures are not available, so that nothing here is copied from one. The words are in ``diagrams``: each
-row is either stated in the text at the place that it names, or inferred from it. Sentences are counted within their
-section. Formulas are in ASCII, between backticks where they are among words; ``-`` stands for nothing. Places are in
-``diagrams/layouts.yaml``, in inches from the lower left corner.
+The paper's own pictures are not available. The words are in ``diagrams``: each row is either stated in the text at the
+place that it names, or inferred from it. Sentences are counted within their section. Formulas are in ASCII, between
+backticks where they are among words; ``-`` stands for nothing. Places are in ``diagrams/layouts.yaml``.
 """
 
 import re
