@@ -7,21 +7,9 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+import exhibit_examples as examples
 import matplotlib as mpl
 import pytest
-from exhibit_examples import (
-    FIGURES,
-    FRAMES,
-    LAYOUTS,
-    LONG,
-    REFERENCE,
-    SIMULATED,
-    TABLES,
-    WITHOUT_AXES,
-    drawn,
-    laid_out,
-    shown_texts,
-)
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
@@ -38,10 +26,10 @@ NOT_KEPT = "ablation"
 A_LEVEL = 2e-3
 
 
-@pytest.fixture(scope="module", params=list(FIGURES))
+@pytest.fixture(scope="module", params=list(examples.FIGURES))
 def figure(request: pytest.FixtureRequest) -> Iterator[Figure]:
     with style.house_style():
-        made = FIGURES[request.param](FRAMES[request.param]())
+        made = examples.FIGURES[request.param](examples.FRAMES[request.param]())
         FigureCanvasAgg(made).draw()
         made.set_label(request.param)
         yield made
@@ -50,17 +38,17 @@ def figure(request: pytest.FixtureRequest) -> Iterator[Figure]:
 # Three of them: they share one style, and CI compares all figures of two runs of the workflow.
 @pytest.mark.parametrize("name", ["fig03", "fig10", "why"])
 def test_figures_are_the_same_whatever_the_users_settings(name: str, tmp_path: Path) -> None:
-    first = drawn(tmp_path, name, FRAMES[name]())
+    first = examples.drawn(tmp_path, name, examples.FRAMES[name]())
     with mpl.rc_context({"font.size": 20.0, "axes.edgecolor": "red", "savefig.transparent": True}):
-        assert drawn(tmp_path, name, FRAMES[name]()) == first
+        assert examples.drawn(tmp_path, name, examples.FRAMES[name]()) == first
         assert mpl.rcParams["axes.edgecolor"] == "red"
 
 
-@pytest.mark.parametrize("name", list(FIGURES))
+@pytest.mark.parametrize("name", list(examples.FIGURES))
 def test_figure_files_are_whole_and_look_as_they_did(
     name: str, tmp_path: Path, image_regression: ImageRegressionFixture
 ) -> None:
-    pdf, png = drawn(tmp_path, name, FRAMES[name]())
+    pdf, png = examples.drawn(tmp_path, name, examples.FRAMES[name]())
     small = io.BytesIO()
     Image.open(io.BytesIO(png)).convert("RGB").reduce(4).save(small, "png", optimize=True)
     image_regression.check(small.getvalue(), diff_threshold=A_LEVEL, basename=f"look-{name}")
@@ -79,10 +67,10 @@ def test_words_are_whole_large_and_apart_and_say_what_is_simulated(figure: Figur
     whole = figure.get_tightbbox()
     assert min(whole.min) > -0.01
     assert (whole.max < figure.get_size_inches() + 0.01).all()
-    texts = shown_texts(figure)
+    texts = examples.shown_texts(figure)
     assert len(texts) > 4
     words = " ".join(text.get_text() for text, _ in texts).lower()
-    assert ("simulated" in words) == (figure.get_label() in SIMULATED)
+    assert ("simulated" in words) == (figure.get_label() in examples.SIMULATED)
     for text, box in texts:
         assert text.get_fontsize() >= 7.0, text.get_text()
         assert (box.min >= 0).all() and (box.max <= figure.bbox.max).all(), text.get_text()
@@ -98,22 +86,22 @@ def test_axis_labels_carry_a_unit(figure: Figure) -> None:
     for part in (figure, *figure.subfigs):
         labels += [word for word in (part.get_supxlabel(), part.get_supylabel()) if word and "Not shown" not in word]
     assert all(re.search(r"\([^()]+\)$", label) for label in labels)
-    assert len(labels) >= 2 or figure.get_label() in WITHOUT_AXES
+    assert len(labels) >= 2 or figure.get_label() in examples.WITHOUT_AXES
 
 
-@pytest.mark.parametrize("name", list(LAYOUTS))
+@pytest.mark.parametrize("name", list(examples.LAYOUTS))
 def test_tables_are_well_formed_and_laid_out_as_the_reference_keeps_them(name: str, tmp_path: Path) -> None:
-    tex, md = laid_out(tmp_path, name, TABLES[name]())
+    tex, md = examples.laid_out(tmp_path, name, examples.TABLES[name]())
     for kind, text in (("tex", tex), ("md", md)):
-        assert name == NOT_KEPT or text == (REFERENCE / f"{name}.{kind}").read_text(encoding="utf-8")
+        assert name == NOT_KEPT or text == (examples.REFERENCE / f"{name}.{kind}").read_text(encoding="utf-8")
     bare = re.sub(r"\\.", "", tex)
     assert bare.count("{") == bare.count("}")
     assert bare.count("$") % 2 == 0
-    kind = "longtable" if name in LONG else "table*"
+    kind = "longtable" if name in examples.LONG else "table*"
     parts = (rf"\begin{{{kind}}}", r"\caption{", rf"\label{{tab:{name}}}", r"\bottomrule", rf"\end{{{kind}}}")
     assert [tex.count(part) for part in parts] == [1] * 5
-    assert tex.count(r"\toprule") == (2 if name in LONG else 1)  # again on every further page
-    if name in LONG:
+    assert tex.count(r"\toprule") == (2 if name in examples.LONG else 1)  # again on every further page
+    if name in examples.LONG:
         columns = re.findall(r">\{\\raggedright\\arraybackslash\}p\{[\d.]+in\}", tex)
     else:
         columns = list(re.findall(r"\\begin\{tabular\}\{@\{\}(\w+)@\{\}\}", tex)[0])
