@@ -221,7 +221,8 @@ def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
         _draw_link(axes, route.corners, _INFERRED if inferred else FLOWS[route.flow], route.both)
         if route.label is not None:
             text, slant = _rendered(label)[0], "italic" if inferred else "normal"
-            axes.text(*route.label, s=text, ha=route.side, va="center", fontsize=layout["type_size"], style=slant)
+            x, y = route.label
+            axes.text(x, y, text, ha=route.side, va="center", fontsize=layout["type_size"], style=slant)
     for place in layout["junctions"]:
         axes.add_patch(Circle(place, 0.022, color=style.INK, lw=0.0, zorder=3))
     if layout["legend"]:
@@ -276,7 +277,8 @@ def draw_setup(frame: pd.DataFrame) -> Figure:
     for route in layout["routes"].values():
         _draw_link(axes, route.corners, FLOWS[route.flow])
     for note in layout["notes"]:
-        axes.text(*note["place"], s=note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
+        x, y = note["place"]
+        axes.text(x, y, note["text"], fontsize=style.SMALL_SIZE, ha=note["side"], va="center")
     _legend(axes, layout, bottom=0.01)
     return figure
 
