@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from repro.comparison.tolerances import Difference, Kind, compare_runs
+from repro.comparison import Difference, Kind, compare_runs
 from repro.exhibits.catalogue import tolerances
 from repro.files import read_rows
 

@@ -17,12 +17,12 @@ contract.hold(os.environ)
 
 import pandas as pd
 
-from repro.comparison.tolerances import Kind, compare_runs, origin
+from repro.comparison import Kind, compare_runs, origin
 from repro.errors import InputError
 from repro.exhibits.catalogue import tolerances
 from repro.files import read_rows, write_csv
 
-SPREAD = Path(__file__).resolve().parent.parent / "src/repro/comparison/spread.csv"
+SPREAD = Path(__file__).resolve().parent.parent / "src/repro/spread.csv"
 SHOWN = ("tables/table06", "tables/table07", "tables/table10", "model/training")
 COLUMNS = ("total", "test_loss")
 #: Tables of training images, drawn anew with another ``training.seed`` though no network has a part in them.

@@ -3,7 +3,7 @@
 OpenBLAS and NumPy pick kernels for the processor they find, and kernels add in different orders. Held to what every
 x86-64-v3 processor has (AVX2 and FMA), on one thread, they give the same bits on all of them. PyTorch is not held: its
 float32 products would take two to three times as long, those in bfloat16 eighty times; what hangs on a network agrees
-within the spread over training seeds instead (`repro.comparison.tolerances`).
+within the spread over training seeds instead (`repro.comparison`).
 """
 
 import platform

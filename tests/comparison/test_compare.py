@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from repro.cli import main
-from repro.comparison.tolerances import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, compare_runs, differences, origin
+from repro.comparison import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, compare_runs, differences, origin
 from repro.errors import InputError
 from repro.exhibits.catalogue import tolerances
 from repro.files import read_csv

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from repro.comparison.tolerances import LEDGER
+from repro.comparison import LEDGER
 from repro.exhibits.catalogue import tolerances
 from repro.paper.claims import CAUSES, broken, specificity
 from repro.paper.published import load_published

@@ -75,7 +75,7 @@ def compare_arguments(parser: argparse.ArgumentParser) -> None:
 
 def compare(arguments: argparse.Namespace) -> int:
     """Compare two runs table by table: the largest difference of each class of number, and where it is."""
-    from repro.comparison.tolerances import compare_runs, report
+    from repro.comparison import compare_runs, report
     from repro.exhibits.catalogue import tolerances
 
     compared, alone = compare_runs(arguments.first, arguments.second, tolerances())

@@ -1,6 +1,6 @@
 """Every table and figure as its module declares it: those of the paper in its order, then ours."""
 
-from repro.comparison.tolerances import Tolerances, measured_spread
+from repro.comparison import Tolerances, measured_spread
 from repro.exhibits import (
     arm_experiment,
     causes,

@@ -12,7 +12,7 @@ from typing import Any
 
 import pandas as pd
 
-from repro.comparison.tolerances import Tolerances, differences
+from repro.comparison import Tolerances, differences
 from repro.documents import read_bytes
 from repro.errors import InputError
 from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text

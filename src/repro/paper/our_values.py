@@ -25,7 +25,7 @@ import pandas as pd
 
 from repro.cnn import architecture, image, priors
 from repro.cnn.architecture import HISTORY_COLUMNS
-from repro.comparison.tolerances import LEDGER
+from repro.comparison import LEDGER
 from repro.errors import InputError
 from repro.files import read_rows
 from repro.fpga import frames

@@ -24,7 +24,7 @@ import pandas as pd
 import yaml
 
 from repro import __version__
-from repro.comparison.tolerances import LEDGER
+from repro.comparison import LEDGER
 from repro.contract import held
 from repro.documents import read_json, read_yaml
 from repro.files import write_csv, write_json

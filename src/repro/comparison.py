@@ -6,15 +6,13 @@ computed
     Floats that no network had a part in: equal but for what rounding makes of another order of sums,
     ``|a - b| <= ABSOLUTE + RELATIVE max(|a|, |b|)``. Zero is so compared absolutely.
 trained
-    What depends on a network, a random search or specimens simulated again. Another processor, or another seed, trains
-    another network; such a number agrees within `MARGIN` times the widest difference that networks of other seeds and
-    processors were seen to make in its table, method and column (`spread.csv`, written by
+    What depends on a network, a random search or specimens simulated again: within `MARGIN` times the widest difference
+    that networks of other seeds and processors made in its table, method and column (`spread.csv`, written by
     ``benchmarks/training_spread.py``).
-
-A hash of floats tells that they are equal, never that they disagree.
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -54,26 +52,12 @@ LEDGER = "claims"
 COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level", "true"})
 
 
-def rounding(a: float, b: float) -> float:
-    """How far two computed numbers may lie apart."""
-    return ABSOLUTE + RELATIVE * max(abs(a), abs(b))
-
-
 def origin(row: Row) -> str:
-    """What a row is about: the first of the columns `ORIGIN` that it has, or of a claim that; empty if it has none."""
-    if "published" in row:
-        return _claimed(row["id"])
-    return next((row[column] for column in ORIGIN if column in row), "")
-
-
-def _claimed(claim: str) -> str:
-    """A claim without its table's cell: ``table10/ID/algorithm1/time/joint2`` is of ``table10/algorithm1/time``."""
-    place, at, variant = claim.partition("@")
-    table, *rest = place.split("/")
-    if not (table.startswith("table") and len(rest) > 2):
-        return claim
-    _, method, quantity, *joint = rest
-    return "/".join([table, method, *([quantity] if joint else [])]) + at + variant
+    """Return what a row is about: the first of the columns `ORIGIN` that it has, or its id if it is a claim."""
+    if "published" not in row:
+        return next((row[column] for column in ORIGIN if column in row), "")
+    # Without the cell of its table: ``table10/ID/algorithm1/time/joint2`` is of ``table10/algorithm1/time``.
+    return re.sub(r"^(table\w*)/[^/]+/([^/@]+)(/[^/@]+(?=/))?/[^@]*", r"\1/\2\3", row["id"])
 
 
 #: Columns that name a row.
@@ -119,8 +103,8 @@ class Difference:
     place: str  # row and column
     a: str  # the two texts
     b: str
-    size: float  # absolute difference; infinite if one is no number
-    allowed: float  # how much its class allows; NaN if that was not measured
+    size: float = math.inf  # absolute difference; infinite if one is no number
+    allowed: float = 0.0  # how much its class allows; NaN if that was not measured
 
     @property
     def broken(self) -> bool:
@@ -128,23 +112,24 @@ class Difference:
         return self.size > self.allowed
 
     @property
-    def rank(self) -> float:
-        """Size in units of what is allowed; small where nothing was measured."""
-        return self.size / self.allowed if self.allowed > 0 else math.inf if self.broken else 0.0
+    def rank(self) -> tuple[float, float]:
+        """Size in units of what is allowed, small where nothing was measured; then the size itself."""
+        return self.size / self.allowed if self.allowed > 0 else math.inf if self.broken else 0.0, self.size
 
 
 def differences(table: str, a: Sequence[Row], b: Sequence[Row], tolerances: Tolerances) -> Iterator[Difference]:
-    """Cells of two tables that are not the same text, and rows or columns that only one has."""
+    """Yield the cells of two tables that are not the same text, and rows or columns that only one has."""
     if len(a) != len(b):
-        yield Difference(Kind.EXACT, "number of rows", str(len(a)), str(len(b)), math.inf, 0.0)
+        yield Difference(Kind.EXACT, "number of rows", str(len(a)), str(len(b)))
         return
     for number, (x, y) in enumerate(zip(a, b, strict=True), start=2):
         if list(x) != list(y):
-            yield Difference(Kind.EXACT, "header", ", ".join(x), ", ".join(y), math.inf, 0.0)
+            yield Difference(Kind.EXACT, "header", ", ".join(x), ", ".join(y))
             return
         for column in x:
             if x[column] != y[column]:
-                yield _difference(table, x, column, (x[column], y[column]), f"line {number}, {column}", tolerances)
+                kind, size, allowed = _judge(table, x, column, y[column], tolerances)
+                yield Difference(kind, f"line {number}, {column}", x[column], y[column], size, allowed)
 
 
 def _number(text: str) -> float | None:
@@ -154,26 +139,23 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _difference(
-    table: str, row: Row, column: str, texts: tuple[str, str], place: str, tolerances: Tolerances
-) -> Difference:
+def _judge(table: str, row: Row, column: str, other: str, tolerances: Tolerances) -> tuple[Kind, float, float]:
+    """Class of a cell, its difference from another text, and how much is allowed."""
     kind = tolerances.kind(table, row, column)
-    numbers = [number for number in map(_number, texts) if number is not None]
+    numbers = [number for number in map(_number, (row[column], other)) if number is not None]
     if len(numbers) == 1 and math.isfinite(numbers[0]):
-        return Difference(kind, place, *texts, math.inf, 0.0)
+        return kind, math.inf, 0.0
     if len(numbers) < 2:  # words that follow from trained numbers may differ with them, names of rows may not
-        if kind is Kind.COMPUTED or column in NAMES_OF_ROWS:
-            return Difference(Kind.EXACT, place, *texts, math.inf, 0.0)
-        return Difference(kind, place, *texts, math.inf, math.nan)
+        exact = kind is Kind.COMPUTED or column in NAMES_OF_ROWS
+        return (Kind.EXACT, math.inf, 0.0) if exact else (kind, math.inf, math.nan)
     a, b = numbers
-    if not (math.isfinite(a) and math.isfinite(b)):
-        same = a == b or (math.isnan(a) and math.isnan(b))
-        return Difference(kind, place, *texts, 0.0 if same else math.inf, 0.0)
-    size, allowed = abs(a - b), rounding(a, b)
+    if not math.isfinite(a - b):
+        return kind, 0.0 if str(a) == str(b) else math.inf, 0.0
+    allowed = ABSOLUTE + RELATIVE * max(abs(a), abs(b))
     if kind is Kind.TRAINED:
         measured = tolerances.allowed(table, row, column)
         allowed = measured if math.isnan(measured) else max(allowed, measured)
-    return Difference(kind, place, *texts, size, allowed)
+    return kind, abs(a - b), allowed
 
 
 #: What is compared byte by byte: recordings and what was sent for them.
@@ -195,7 +177,7 @@ class Compared:
     def largest(self) -> list[Difference]:
         """The difference of each class that lies furthest towards or beyond what is allowed."""
         by_kind = {kind: [each for each in self.found if each.kind is kind] for kind in Kind}
-        return [max(each, key=lambda d: (d.rank, d.size)) for each in by_kind.values() if each]
+        return [max(each, key=lambda d: d.rank) for each in by_kind.values() if each]
 
     @property
     def broken(self) -> bool:
@@ -246,13 +228,13 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
     same = sum(not each.found for each in compared)
     rest = f", {len(alone) - SHOWN} more" if len(alone) > SHOWN else ""
     names = f": {', '.join(alone[:SHOWN])}{rest}" if alone else ""
-    counted = f"{len(compared)} files compared, {same} the same to the last digit, {len(alone)} in one folder alone"
-    lines.append(counted + names)
+    lines.append(
+        f"{len(compared)} files compared, {same} the same to the last digit, {len(alone)} in one folder alone{names}"
+    )
     for kind in Kind:
-        own = [(d.rank, d.size, each.name, d) for each in compared for d in each.largest() if d.kind is kind]
-        if own:
-            *_, name, d = max(own, key=lambda entry: entry[:2])
-        lines.append(f"largest {kind}: {name}: {_describe(d)}" if own else f"largest {kind}: none differs")
+        own = [(d, each.name) for each in compared for d in each.largest() if d.kind is kind]
+        d, name = max(own, key=lambda entry: entry[0].rank, default=(None, ""))
+        lines.append(f"largest {kind}: {name}: {_describe(d)}" if d else f"largest {kind}: none differs")
     broken = [each.name for each in compared if each.broken]
     lines.append(f"broken: {', '.join(broken)}" if broken else "no class is broken")
     return lines
