@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
@@ -21,17 +21,18 @@ if TYPE_CHECKING:
 
 def simulate_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro simulate``."""
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "--board", choices=("python", "rtl"), default="python", help="rtl: simulate the design in logic (docs/board.md)"
     )
-    parser.add_argument("--listen", choices=("pty", "socket"), default="pty", help="what to offer (default: pty)")
-    parser.add_argument("--link", type=Path, help="with pty: symbolic link to make, a name that stays the same")
-    parser.add_argument("--host", help="with socket: address to listen on (default: 127.0.0.1)")
-    parser.add_argument("--port-number", type=integer(0, 65535), help="with socket: 0 takes a free one (default)")
-    parser.add_argument("--as-fast-as-possible", action="store_true", help="do not wait 2.5 ms between samples")
-    parser.add_argument("--faults", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
-    parser.add_argument("--seed", type=seed, help="of arm and faults (default: experiment.seed)")
-    parser.add_argument("--once", action="store_true", help="end after the first motion, when its host has gone")
+    add("--listen", choices=("pty", "socket"), default="pty", help="what to offer (default: pty)")
+    add("--link", type=Path, help="with pty: symbolic link to make, a name that stays the same")
+    add("--host", help="with socket: address to listen on (default: 127.0.0.1)")
+    add("--port-number", type=integer(0, 65535), help="with socket: 0 takes a free one (default)")
+    add("--as-fast-as-possible", action="store_true", help="do not wait 2.5 ms between samples")
+    add("--faults", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
+    add("--seed", type=seed, help="of arm and faults (default: experiment.seed)")
+    add("--once", action="store_true", help="end after the first motion, when its host has gone")
     add_config(parser)
 
 
@@ -45,20 +46,16 @@ def simulate(arguments: argparse.Namespace) -> int:
     from repro.fpga.server import Board, PtyEndpoint, SocketEndpoint, serve
     from repro.pipeline.experiment import board_from_config
 
-    for option, listen in (("link", "pty"), ("host", "socket"), ("port_number", "socket")):
-        if getattr(arguments, option) is not None and arguments.listen != listen:
-            place = f"--{option.replace('_', '-')}"
-            raise InputError.at(place, f"--listen {arguments.listen}", f"--listen {listen}")
+    for option, listen in (("link", "pty"), ("host", "socket"), ("port-number", "socket")):
+        if vars(arguments)[option.replace("-", "_")] is not None and arguments.listen != listen:
+            raise InputError.at(f"--{option}", f"--listen {arguments.listen}", f"--listen {listen}")
     settings = parse_faults(arguments.faults)
     config = load_config(arguments.config)
     seed = config["experiment"]["seed"] if arguments.seed is None else arguments.seed
     board = board_from_config(config, seed, logic_board() if arguments.board == "rtl" else Board)
     rng = np.random.default_rng(seed)
-    endpoint = (
-        PtyEndpoint(arguments.link)
-        if arguments.listen == "pty"
-        else SocketEndpoint(arguments.host or "127.0.0.1", arguments.port_number or 0)
-    )
+    socket = arguments.host or "127.0.0.1", arguments.port_number or 0
+    endpoint = PtyEndpoint(arguments.link) if arguments.listen == "pty" else SocketEndpoint(*socket)
     serve(
         board,
         endpoint,
@@ -74,18 +71,18 @@ def parse_faults(text: str) -> "ErrorRates":
     """Read error rates such as ``drop=1e-4,flip=1e-4``."""
     from repro.fpga.channel_errors import ErrorRates
 
-    names = [field.name for field in fields(ErrorRates)]
+    readers: dict[str, Callable[[str], float]] = {
+        **{field.name: number(0.0, 1.0, "a number") for field in fields(ErrorRates)},
+        "stall_s": number(0.0, 1e6, "a number"),
+        **dict.fromkeys(("stall_bytes", "disconnect_after"), integer(0, 10**9)),
+    }
     values: dict[str, float] = {}
     for part in text.split(",") if text else ():
         name, _, value = part.partition("=")
-        if name not in names or name in values:
-            raise InputError.at("--faults", repr(part), f"each once: {', '.join(names)}, as in drop=1e-4,flip=1e-4")
+        if name not in readers or name in values:
+            raise InputError.at("--faults", repr(part), f"each once: {', '.join(readers)}, as in drop=1e-4,flip=1e-4")
         try:
-            values[name] = (
-                integer(0, 10**9)(value)
-                if name in ("stall_bytes", "disconnect_after")
-                else number(0.0, 1e6 if name == "stall_s" else 1.0, "a number")(value)
-            )
+            values[name] = readers[name](value)
         except argparse.ArgumentTypeError as error:
             raise InputError(f"--faults: {name}: {error}") from error
     if sum(values.get(name, 0.0) for name in ("drop", "flip", "insert")) > 1.0:
@@ -99,20 +96,13 @@ _URLS = ("socket://", "rfc2217://")
 
 def record_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro record``."""
-    parser.add_argument("--port", help="device, pseudo-terminal or socket://HOST:PORT (default: experiment.port)")
-    parser.add_argument(
-        "--trajectory",
-        required=True,
-        help="ID, a motion such as T1, or a table FILE.csv with columns q1_rad, q2_rad",
-    )
-    parser.add_argument(
-        "--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written next to it"
-    )
-    parser.add_argument("--baud", type=integer(1, 10**8), help="bits per second (default: experiment.baud)")
-    parser.add_argument(
-        "--timeout", type=seconds, default=2.0, help="seconds of silence that end a recording (default: 2)"
-    )
-    parser.add_argument("--overwrite", action="store_true", help="replace a capture that is there")
+    add = parser.add_argument
+    add("--port", help="device, pseudo-terminal or socket://HOST:PORT (default: experiment.port)")
+    add("--trajectory", required=True, help="ID, a motion such as T1, or a table FILE.csv with columns q1_rad, q2_rad")
+    add("--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written next to it")
+    add("--baud", type=integer(1, 10**8), help="bits per second (default: experiment.baud)")
+    add("--timeout", type=seconds, default=2.0, help="seconds of silence that end a recording (default: 2)")
+    add("--overwrite", action="store_true", help="replace a capture that is there")
     add_config(parser)
 
 
@@ -127,9 +117,8 @@ def record(arguments: argparse.Namespace) -> int:
     config = load_config(arguments.config)
     program = program_of(config, arguments.trajectory)
     metadata = metadata_for(program, config)
-    defaults = config["experiment"]
-    port = defaults["port"] if arguments.port is None else arguments.port
-    baud = defaults["baud"] if arguments.baud is None else arguments.baud
+    port = config["experiment"]["port"] if arguments.port is None else arguments.port
+    baud = arguments.baud or config["experiment"]["baud"]
     if "://" in port and not _is_address(port):
         raise InputError.at("--port", repr(port), f"a device, or HOST:PORT behind {' or '.join(_URLS)}")
     capture = record_capture(arguments.out, port, metadata, baud, arguments.timeout, arguments.overwrite)
@@ -212,9 +201,10 @@ def read_program(path: Path) -> "ReferenceTrajectory":
 
 def decode_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro decode``."""
-    parser.add_argument("file", type=Path, help="capture NAME.bin, with NAME.json next to it")
-    parser.add_argument("-o", "--out", help="table to write, FILE.csv, or - for standard output")
-    parser.add_argument("--overwrite", action="store_true", help="replace a table that is there")
+    add = parser.add_argument
+    add("file", type=Path, help="capture NAME.bin, with NAME.json next to it")
+    add("-o", "--out", help="table to write, FILE.csv, or - for standard output")
+    add("--overwrite", action="store_true", help="replace a table that is there")
 
 
 def decode(arguments: argparse.Namespace) -> int:

@@ -20,24 +20,21 @@ _LARGEST = 1e6
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro excite``."""
+    add = parser.add_argument
     parser.epilog = "Example: repro excite --arm arm.yaml -o OUT. Guide: docs/own-arm.md."
-    parser.add_argument("--arm", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
-    parser.add_argument("-o", "--out", required=True, type=folder, help="folder for the motion and its accuracy")
-    parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
-    parser.add_argument(
-        "--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too"
-    )
-    parser.add_argument("--duration", type=seconds, default=20.0, help="of the motion, s (default: 20)")
-    parser.add_argument(
-        "--harmonics", type=integer(1, 1000), default=12, help="highest multiple of 1/duration in it (default: 12)"
-    )
-    parser.add_argument(
+    add("--arm", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
+    add("-o", "--out", required=True, type=folder, help="folder for the motion and its accuracy")
+    add("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
+    add("--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too")
+    add("--duration", type=seconds, default=20.0, help="of the motion, s (default: 20)")
+    add("--harmonics", type=integer(1, 1000), default=12, help="highest multiple of 1/duration in it (default: 12)")
+    add(
         "--rate",
         type=number(1.0, 1e5, "a rate in Hz"),
         default=400.0,
         help="samples per second (default: 400, the board's)",
     )
-    parser.add_argument(
+    add(
         "--noise",
         nargs=2,
         type=number(1e-9, 1e6, "a number"),
@@ -45,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=("TAU1", "TAU2"),
         help="standard deviation of a sample of each torque, N m (default: 0.05 0.05)",
     )
-    parser.add_argument("--seed", type=seed, default=1, help="of the starts of the search (default: 1)")
+    add("--seed", type=seed, default=1, help="of the starts of the search (default: 1)")
 
 
 def run(arguments: argparse.Namespace) -> int:

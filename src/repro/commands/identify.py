@@ -12,59 +12,48 @@ FILTERS = ("dct", "savitzky-golay", "butterworth")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro identify``."""
+    add = parser.add_argument
     parser.epilog = "Example: repro identify LOG.csv --validate OTHER.csv -o OUT. Guide: docs/own-arm.md."
-    parser.add_argument(
+    add(
         "logs",
         nargs="+",
         metavar="LOG",
         help="log FILE.csv, capture FILE.bin, or the port of a board to record from; several of one arm make one fit",
     )
-    parser.add_argument(
-        "--validate", nargs="+", type=Path, default=[], metavar="LOG", help="logs that only judge the result"
-    )
-    parser.add_argument("--arm", type=Path, help="arm.yaml: columns, units, signs, zero position, torque constants")
-    parser.add_argument(
+    add("--validate", nargs="+", type=Path, default=[], metavar="LOG", help="logs that only judge the result")
+    add("--arm", type=Path, help="arm.yaml: columns, units, signs, zero position, torque constants")
+    add(
         "--method",
         action="append",
         choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
         help="may be given more than once (default: all, or least-squares for several logs, a prior or a horizontal "
         "plane; least-squares takes seconds, the CNN half a minute and more)",
     )
-    parser.add_argument("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
-    parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
-    parser.add_argument("--filter", choices=FILTERS, default="dct", help="zero-phase filter (default: dct)")
-    parser.add_argument(
-        "--cutoff", type=number(0.1, 1000.0, "a frequency in Hz"), help="cut-off in Hz (default: chosen from the log)"
-    )
-    parser.add_argument("--seed", type=seed, default=1, help="of standard errors and search (default: 1)")
-    parser.add_argument(
+    add("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
+    add("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
+    add("--filter", choices=FILTERS, default="dct", help="zero-phase filter (default: dct)")
+    add("--cutoff", type=number(0.1, 1000.0, "a frequency in Hz"), help="cut-off in Hz (default: chosen from the log)")
+    add("--seed", type=seed, default=1, help="of standard errors and search (default: 1)")
+    add(
         "--self-test",
         action="store_true",
         help="estimate known parameters from synthetic logs with this motion, noise and delay",
     )
-    parser.add_argument(
-        "--friction", action="store_true", help="subtract friction that Eq. 1 does not model where the log shows it"
-    )
-    parser.add_argument(
+    add("--friction", action="store_true", help="subtract friction that Eq. 1 does not model where the log shows it")
+    add(
         "--prior",
         type=Path,
         help="JSON of what is known before: parameters.json of an earlier result, or value and sd of some parameters",
     )
-    parser.add_argument(
+    add(
         "--strict",
         action="store_true",
         help="exit code 3 if the parameters must not be used: not physically consistent, or torque errors above 50 %%",
     )
-    parser.add_argument(
-        "--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)"
-    )
-    parser.add_argument(
-        "--threads", type=integer(1, 1024), help="no effect: the CNN uses one thread, so that the seed determines it"
-    )
-    parser.add_argument(
-        "--cache", type=Path, default=network_cache(), help=f"trained networks (default: {network_cache()})"
-    )
-    parser.add_argument("--trajectory", help="with a port: motion to record, as for repro record (default: ID)")
+    add("--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)")
+    add("--threads", type=integer(1, 1024), help="no effect: the CNN uses one thread, so that the seed determines it")
+    add("--cache", type=Path, default=network_cache(), help=f"trained networks (default: {network_cache()})")
+    add("--trajectory", help="with a port: motion to record, as for repro record (default: ID)")
     add_config(parser)
 
 
@@ -82,21 +71,10 @@ def run(arguments: argparse.Namespace) -> int:
             if given not in (None, default_config()):
                 raise InputError.at(option, repr(str(given)), "none, or the port of a board to record from")
     choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
+    same = ("validate", "arm", "filter", "cutoff", "friction", "prior", "self_test", "seed", "steps", "cache")
     with options_named("cutoff", "method", "validate", "cache"):
-        result = identify(
-            [_source(arguments, log) for log in arguments.logs],
-            validate=arguments.validate,
-            arm=arguments.arm,
-            method=method,
-            filter=arguments.filter,
-            cutoff=arguments.cutoff,
-            friction=arguments.friction,
-            prior=arguments.prior,
-            self_test=arguments.self_test,
-            seed=arguments.seed,
-            steps=arguments.steps,
-            cache=arguments.cache,
-        )
+        sources = [_source(arguments, log) for log in arguments.logs]
+        result = identify(sources, method=method, **{name: getattr(arguments, name) for name in same})
     print(result, flush=True)
     files = result.save(arguments.out, arguments.overwrite)
     print(f"written to {arguments.out}: {', '.join(files)}")
