@@ -42,7 +42,7 @@ def ours(value, spread=0.0, seeds=1, basis=Basis.NUMERIC, **more):
 
 #: Five seeds: another run lies within 2.776 x sqrt(1.2) = 3.0414 standard deviations.
 FIVE = 3.0414
-HALF, SHARE = Margin(0.5, 1.0), Margin(0.05, 0.25, relative=True)
+HALF, SHARE = Margin(0.5, 1.0), Margin(0.05 * 0.4, 0.25 * 0.4)
 
 
 PUBLISHED, SETTINGS = load_published(), load_config(CONFIG)

@@ -136,7 +136,7 @@ def test_verdicts_are_specific():
 def test_every_difference_has_a_cause_with_evidence():
     assert CLAIMS.loc[CLAIMS["verdict"] == "differs", "cause"].isin(CAUSES).all()
     for cause in CAUSES.values():
-        page, _, anchor = cause.evidence.partition("#")
+        page, _, anchor = cause["evidence"].partition("#")
         lines = (ROOT / "docs" / page).read_text(encoding="utf-8").lower().splitlines()
         headings = [re.sub(r"[^a-z0-9 -]", "", line.lstrip("# ")).replace(" ", "-") for line in lines]
-        assert not anchor or anchor in headings, cause.evidence
+        assert not anchor or anchor in headings, cause["evidence"]

@@ -11,11 +11,13 @@ import operator
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from scipy import stats
 
+from repro.files import read_rows
 from repro.paper.published import PublishedValue
 
 REPRODUCED, BETTER, DIFFERS = "reproduced", "better", "differs"
@@ -51,14 +53,6 @@ class Basis(StrEnum):
 EVIDENCE = (Basis.NUMERIC, Basis.ARM)
 _OF_KIND = {SETTING: Basis.SETTING, "exact": Basis.ARITHMETIC, "deterministic": Basis.CONSTRUCTION}
 
-#: Where a tolerance comes from.
-PRINT = "print precision"
-EQUIVALENCE = "equivalence margin"
-PREDICTION = "95 % prediction interval"
-BOUNDS = "bounds of ours"
-NONE = "none: compared as it stands"
-LEVEL = 0.95
-
 #: Kind of the numbers that are left out: only the other work can tell.
 LEFT_OUT = "other-work"
 #: Stands between the id of a published number and the name of an extension of ours that is held against it too.
@@ -70,19 +64,10 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Margin:
-    """Differences that do not matter, and the widest interval that still compares: absolute, or shares of the value."""
+    """A difference that does not matter, and the widest interval that still compares, in the published unit."""
 
-    equivalent: float
-    cap: float
-    relative: bool = False
-
-    def of(self, published: float) -> tuple[float, float]:
-        """Both in the published unit."""
-        scale = abs(published) if self.relative else 1.0
-        return self.equivalent * scale, self.cap * scale
-
-
-EXACT = Margin(0.0, math.inf)
+    equivalent: float = 0.0
+    cap: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -94,7 +79,7 @@ class OurValue:
     basis: Basis | None = None  # None: by the published kind, hardware without a value
     std: float = 0.0  # standard deviation over the seeds, in the published unit
     seeds: int = 1
-    margin: Margin = EXACT
+    margin: Margin = Margin()
     better: Callable[[float, float], bool] | None = None  # of the published and our number, where one can be better
     strict: bool = False  # no tolerance: a setting can be adopted as printed, a limit can be met
     unused: bool = False  # a setting that the default run does not use
@@ -110,37 +95,35 @@ class OurValue:
 higher, lower = operator.lt, operator.gt
 
 
-def _interval(printed: PublishedValue, ours: OurValue) -> float:
-    """Half width of the prediction interval of one further run, with the rounding of the print."""
+def _scatter(ours: OurValue) -> float:
+    """Half width of the 95 % prediction interval of one further run, or of the bounds."""
     if ours.seeds < 2:
-        return printed.half_step + ours.bounds
-    t = float(stats.t.ppf(0.5 + 0.5 * LEVEL, ours.seeds - 1))
-    return printed.half_step + t * ours.std * math.sqrt(1.0 + 1.0 / ours.seeds)
+        return ours.bounds
+    return float(stats.t.ppf(0.975, ours.seeds - 1)) * ours.std * math.sqrt(1.0 + 1.0 / ours.seeds)
 
 
 def _tolerance(printed: PublishedValue, ours: OurValue) -> tuple[float, str]:
+    """Tolerance of a difference, and where it comes from."""
     if ours.strict:
-        return 0.0, NONE
-    interval = _interval(printed, ours)
-    margin = printed.half_step + ours.margin.of(printed.value)[0]
+        return 0.0, "none: compared as it stands"
+    interval, margin = printed.half_step + _scatter(ours), printed.half_step + ours.margin.equivalent
     if ours.bounds:
-        return interval, BOUNDS
+        return interval, "bounds of ours"
     if margin > interval:
-        return margin, EQUIVALENCE
-    return interval, PREDICTION if interval > printed.half_step else PRINT
+        return margin, "equivalence margin"
+    return interval, "95 % prediction interval" if interval > printed.half_step else "print precision"
 
 
 def _verdict(
     printed: PublishedValue, ours: OurValue, basis: Basis, value: float, tolerance: float, others: Iterable[float]
 ) -> str:
+    difference = value - printed.value
     if ours.unused:
         return NOT_RUN
-    difference = value - printed.value
     if ours.contradicts and abs(difference) <= ours.contradiction * (1.0 + _ROUNDING):
         return CONTRADICTS
     slack = tolerance + _ROUNDING * abs(printed.value)
-    scatter = _interval(printed, ours) - printed.half_step
-    wide = ours.bounds > 0.0 or (not ours.strict and scatter > ours.margin.of(printed.value)[1])
+    wide = ours.bounds > 0.0 or (not ours.strict and _scatter(ours) > ours.margin.cap)
     stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
     if abs(difference) <= slack or stated:
         blind = any(min(abs(other - printed.value), abs(other - value)) <= slack for other in others)
@@ -156,10 +139,9 @@ def _verdict(
 def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ()) -> dict[str, object]:
     """One row of the ledger; `others` are the published values of the same quantity for other cases."""
     basis = ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
-    if ours.value is None:
-        value, tolerance, tolerance_from = math.nan, math.nan, ""
-        verdict = CONTRADICTS if ours.contradicts else HARDWARE
-    else:
+    value, tolerance, tolerance_from = math.nan, math.nan, ""
+    verdict = CONTRADICTS if ours.contradicts else HARDWARE
+    if ours.value is not None:
         value, (tolerance, tolerance_from) = ours.value, _tolerance(printed, ours)
         verdict = _verdict(printed, ours, basis, value, tolerance, others)
     return {
@@ -199,17 +181,13 @@ def judge_all(numbers: Iterable[PublishedValue], ours: Mapping[str, OurValue]) -
 
 def broken(claims: pd.DataFrame) -> pd.DataFrame:
     """Claims whose verdict is not the asserted one; better than reproduced satisfies too."""
-    satisfied = (claims["asserted"] == claims["verdict"]) | (
-        (claims["asserted"] == REPRODUCED) & (claims["verdict"] == BETTER)
-    )
-    return claims[(claims["asserted"] != "") & ~satisfied]
+    asserted, verdict = claims["asserted"], claims["verdict"]
+    satisfied = (asserted == verdict) | ((asserted == REPRODUCED) & (verdict == BETTER))
+    return claims[(asserted != "") & ~satisfied]
 
 
 def specificity(claims: pd.DataFrame, numbers: Iterable[PublishedValue]) -> pd.DataFrame:
-    """How often the published value of another case fails where ours was called reproduced, by basis and unit group.
-
-    Columns ``basis, what, rows, pairs, refused``: the share ``refused / pairs`` is the specificity of the verdict.
-    """
+    """How often the value of another case fails (``refused / pairs``) where ours was called reproduced, by basis."""
     others = other_cases(numbers)
     called = claims[(claims["verdict"] == REPRODUCED) & claims["basis"].isin(EVIDENCE)]
     rows = []
@@ -222,57 +200,10 @@ def specificity(claims: pd.DataFrame, numbers: Iterable[PublishedValue]) -> pd.D
     return table.groupby(["basis", "what"], as_index=False).sum()
 
 
-@dataclass(frozen=True)
-class Cause:
-    """A cause, and the page or table that shows it."""
-
-    title: str
-    why: str
-    evidence: str  # page of docs/ with its anchor, or target of the workflow
-
-
-CAUSES: dict[str, Cause] = {
-    "closed-loop motion": Cause(
-        "Algorithm 1 as listed on a motion that an arm has tracked",
-        "The network is trained on Eq. 10 itself. Line 18 gives it the measured motion, whose acceleration has spikes "
-        "where friction reverses, and the torque contains effects that Eq. 1 does not model. Closed-loop training, the "
-        "desired motion in line 18, back-EMF and the reader each change the result on T1 to T4.",
-        "explanation/experiment.md#the-factorial-of-causes",
-    ),
-    "image reader": Cause(
-        "What closed-loop training and the desired motion leave",
-        "A plain network that reads the torque samples instead of the image of Eq. 9 is better by more than what is "
-        "left here.",
-        "explanation/experiment.md#the-factorial-of-causes",
-    ),
-    "another arm": Cause(
-        "A simulated arm in place of the published one",
-        "The arm is calibrated on the least-squares cells of ID, and the bands of T1 were chosen by those of T1. Its "
-        "friction, ripple and motors are not the published arm's, so all other cells are predictions for another arm.",
-        "explanation/experiment.md#four-numbers-calibrate-the-simulated-arm",
-    ),
-    "another network": Cause(
-        "One trained network in place of another",
-        "The interval is over the seeds of the guesses. Estimates and similarities of a network of another training "
-        "seed differ by more, and the paper's weights are not available.",
-        "numbers.md#how-networks-scatter",
-    ),
-    "lag of the gains": Cause(
-        "The lag of joint 1 that its gains imply",
-        "With the gains as printed joint 1 follows with a lag of K_v h / K_p = 17.6 ms, twice that of joint 2.",
-        "explanation/experiment.md#gains-and-arithmetic-of-the-controller",
-    ),
-    "another board": Cause(
-        "A board of our design in place of the published one",
-        "The trajectory fills 86.2 % of the memory and the downlink of our design the rest. The paper does not list "
-        "what else its memory contains.",
-        "board.md#size",
-    ),
-}
+#: Causes of differences by their names: title, why, and as evidence a page of docs/ with its anchor.
+CAUSES = {row["name"]: row for row in read_rows(Path(__file__).with_name("causes.csv"))}
 
 _COLUMNS = ["id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "target", "note"]
-#: Column of `by_basis` for rows of extensions, whatever they rest on.
-EXTENSIONS = "extensions"
 
 
 def _number(value: object) -> str:
@@ -283,13 +214,13 @@ def _published(row: Mapping[Hashable, Any]) -> str:
     return f"{row['published']} {row['unit']}".removesuffix(" 1").removesuffix(" not printed")
 
 
-def _table(frame: pd.DataFrame) -> list[str]:
+def _table(frame: pd.DataFrame) -> str:
     lines = [f"| {' | '.join(frame.columns)} |", f"|{'---|' * frame.shape[1]}"]
     cells = ([str(cell).replace("|", r"\|") for cell in row] for row in frame.itertuples(index=False))
-    return [*lines, *(f"| {' | '.join(row)} |" for row in cells), ""]
+    return "\n".join([*lines, *(f"| {' | '.join(row)} |" for row in cells)])
 
 
-def _table_of_claims(claims: pd.DataFrame) -> list[str]:
+def _table_of_claims(claims: pd.DataFrame) -> str:
     shown = claims.assign(
         published=[_published(row) for row in claims.to_dict("records")],
         ours=claims["ours"].map(_number),
@@ -301,7 +232,7 @@ def _table_of_claims(claims: pd.DataFrame) -> list[str]:
 def by_basis(claims: pd.DataFrame) -> pd.DataFrame:
     """Count the verdicts (rows) by what the comparison rests on (columns); extensions of ours are counted apart."""
     extension = claims["id"].str.contains(EXTENSION, regex=False)
-    groups = {str(basis): ~extension & (claims["basis"] == basis) for basis in Basis} | {EXTENSIONS: extension}
+    groups = {str(basis): ~extension & (claims["basis"] == basis) for basis in Basis} | {"extensions": extension}
     counts = {name: claims.loc[chosen, "verdict"].value_counts() for name, chosen in groups.items()}
     return pd.DataFrame(counts).reindex(list(VERDICTS)).fillna(0).astype(int)
 
@@ -314,9 +245,8 @@ def _asserted(claims: pd.DataFrame) -> tuple[int, int]:
 
 def summary(claims: pd.DataFrame) -> list[str]:
     """How many claims have each verdict, by what the comparison rests on, and every asserted claim that fails."""
-    counted = by_basis(claims)
+    counted, lines = by_basis(claims), []
     width = max(map(len, counted.columns))
-    lines = []
     for name, column in counted.items():
         listed = ", ".join(f"{number} {verdict}" for verdict, number in column.items() if number)
         lines.append(f"{name!s:<{width}}  {column.sum():4d}  {listed}")
@@ -334,37 +264,29 @@ def markdown(claims: pd.DataFrame, specific: pd.DataFrame) -> str:
     """The ledger as a page."""
     asserted, satisfied = _asserted(claims)
     of_results = (claims["asserted"] != "") & claims["basis"].isin(EVIDENCE)
-    lines = [
+    failing = claims.index.isin(broken(claims).index)
+    blocks = [
         "# Claims",
-        "",
         "Every number that the paper prints as its own, next to ours.",
-        "",
         "A match is evidence only in the columns *numeric* (the paper's own arms N1 to N4) and *simulated arm* "
         "(another arm than the paper's). The other columns are adopted, follow from other numbers, or are about the "
-        "board, whose design is ours.",
-        f"An id with `{EXTENSION}` compares an extension of ours with the same number.",
-        "",
-        *_table(by_basis(claims).reset_index(names="verdict")),
+        f"board, whose design is ours.\nAn id with `{EXTENSION}` compares an extension of ours with the same number.",
+        _table(by_basis(claims).reset_index(names="verdict")),
         "## Specificity",
-        "",
         "Of the numbers that are called reproduced: how often the published value of another case lies outside the "
         "tolerance.",
-        "",
-        *_table(specific.set_axis(["basis", "of", "numbers", "pairs", "outside"], axis=1)),
+        _table(specific.set_axis(["basis", "of", "numbers", "pairs", "outside"], axis=1)),
         "## Asserted claims",
-        "",
         f"{satisfied} of {asserted} have the asserted verdict. Those about results, and those that fail:",
-        "",
-        *_table_of_claims(claims[of_results | claims.index.isin(broken(claims).index)]),
+        _table_of_claims(claims[of_results | failing]),
         "## What differs, by cause",
-        "",
     ]
     differing = claims[claims["verdict"] == DIFFERS]
     for name, cause in CAUSES.items():
         if len(own := differing[differing["cause"] == name]):
-            lines += [f"### {cause.title}", "", f"{cause.why} Evidence: {cause.evidence}.", ""]
-            lines += _table_of_claims(own)
-    lines += ["## Every number", ""]
+            why = f"{cause['why']} Evidence: {cause['evidence']}."
+            blocks += [f"### {cause['title']}", why, _table_of_claims(own)]
+    blocks.append("## Every number")
     for place in dict.fromkeys(claims["place"]):
-        lines += [f"### {place}", "", *_table_of_claims(claims[claims["place"] == place])]
-    return "\n".join(lines)
+        blocks += [f"### {place}", _table_of_claims(claims[claims["place"] == place])]
+    return "\n\n".join(blocks) + "\n"

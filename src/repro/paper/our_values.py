@@ -165,8 +165,6 @@ ALGORITHM, LEAST_SQUARES = "algorithm1", "least-squares"
 VALIDATION_CASES = ("T1", "T2", "T3", "T4")
 #: An interval wider than one point of per cent either way compares nothing.
 SIMILARITY_MARGIN = Margin(100.0 * EQUIVALENT, 1.0)
-#: A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
-PARAMETER_MARGIN = Margin(0.05, 0.25, relative=True)
 
 
 @dataclass(frozen=True)
@@ -232,8 +230,10 @@ def _parameter(number: PublishedValue, results: Results, _: Mapping[str, Any]) -
     def nearer(published: float, ours: float) -> bool:
         return abs(ours - true) < abs(published - true)
 
+    # A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
+    margin = Margin(0.05 * abs(number.value), 0.25 * abs(number.value))
     ours = OurValue(
-        estimate.value, table, Basis.NUMERIC, estimate.std, estimate.seeds, PARAMETER_MARGIN, nearer,
+        estimate.value, table, Basis.NUMERIC, estimate.std, estimate.seeds, margin, nearer,
         cause="another network", note=f"true value {true:g}",
     )  # fmt: skip
     return {"": ours}
