@@ -232,9 +232,8 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
         f"{len(compared)} files compared, {same} the same to the last digit, {len(alone)} in one folder alone{names}"
     )
     for kind in Kind:
-        own = [(d, each.name) for each in compared for d in each.largest() if d.kind is kind]
-        d, name = max(own, key=lambda entry: entry[0].rank, default=(None, ""))
-        lines.append(f"largest {kind}: {name}: {_describe(d)}" if d else f"largest {kind}: none differs")
+        own = [(d.rank, f"{each.name}: {_describe(d)}") for each in compared for d in each.largest() if d.kind is kind]
+        lines.append(f"largest {kind}: {max(own, key=lambda entry: entry[0])[1] if own else 'none differs'}")
     broken = [each.name for each in compared if each.broken]
     lines.append(f"broken: {', '.join(broken)}" if broken else "no class is broken")
     return lines

@@ -102,13 +102,13 @@ def claims(stored):
         # Bounds of ours from 96 to 98: within them nothing is reproduced.
         (printed(), ours(97.0, bounds=1.0), "inconclusive"),
         (printed("98.01"), ours(97.0, bounds=1.0), "differs"),
-        (printed(kind="hardware-only"), OurValue(None, ""), "needs the hardware"),
+        (printed(kind="hardware-only"), OurValue(math.nan, ""), "needs the hardware"),
         (printed(kind="setting"), ours(1.0, unused=True), "not run"),
         # A contradiction of 0.9 explains a difference of 0.9, and no more.
         (printed(), ours(97.1, contradicts="Its factors give 98.", contradiction=0.9), "contradicts itself"),
         (printed(), ours(99.9, better=higher, contradicts="Its factors give 98.", contradiction=0.9), "better"),
         (printed(), ours(38.9, better=higher, contradicts="Its factors give 98.", contradiction=0.9), "differs"),
-        (printed(), OurValue(None, "", contradicts="Its factors give 98."), "contradicts itself"),
+        (printed(), OurValue(math.nan, "", contradicts="Its factors give 98."), "contradicts itself"),
     ],
 )
 def test_each_verdict_at_its_edge(number, side, verdict):

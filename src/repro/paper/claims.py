@@ -74,9 +74,9 @@ class Margin:
 class OurValue:
     """Our side of one published number."""
 
-    value: float | None  # in the published unit; None if only the hardware can tell
+    value: float  # in the published unit; NaN if only the hardware can tell
     target: str  # target of the workflow that makes it; empty without a value
-    basis: Basis | None = None  # None: by the published kind, hardware without a value
+    basis: Basis | None = None  # None: by the published kind
     std: float = 0.0  # standard deviation over the seeds, in the published unit
     seeds: int = 1
     margin: Margin = Margin()
@@ -114,10 +114,8 @@ def _tolerance(printed: PublishedValue, ours: OurValue) -> tuple[float, str]:
     return interval, "95 % prediction interval" if interval > printed.half_step else "print precision"
 
 
-def _verdict(
-    printed: PublishedValue, ours: OurValue, basis: Basis, value: float, tolerance: float, others: Iterable[float]
-) -> str:
-    difference = value - printed.value
+def _verdict(printed: PublishedValue, ours: OurValue, basis: Basis, tolerance: float, others: Iterable[float]) -> str:
+    difference = ours.value - printed.value
     if ours.unused:
         return NOT_RUN
     if ours.contradicts and abs(difference) <= ours.contradiction * (1.0 + _ROUNDING):
@@ -126,9 +124,9 @@ def _verdict(
     wide = ours.bounds > 0.0 or (not ours.strict and _scatter(ours) > ours.margin.cap)
     stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
     if abs(difference) <= slack or stated:
-        blind = any(min(abs(other - printed.value), abs(other - value)) <= slack for other in others)
+        blind = any(min(abs(other - printed.value), abs(other - ours.value)) <= slack for other in others)
         return INCONCLUSIVE if wide or (blind and basis in EVIDENCE) else REPRODUCED
-    if ours.better is None or not ours.better(printed.value, value):
+    if ours.better is None or not ours.better(printed.value, ours.value):
         return DIFFERS
     if wide:
         return INCONCLUSIVE
@@ -139,16 +137,16 @@ def _verdict(
 def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ()) -> dict[str, object]:
     """One row of the ledger; `others` are the published values of the same quantity for other cases."""
     basis = ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
-    value, tolerance, tolerance_from = math.nan, math.nan, ""
-    verdict = CONTRADICTS if ours.contradicts else HARDWARE
-    if ours.value is not None:
-        value, (tolerance, tolerance_from) = ours.value, _tolerance(printed, ours)
-        verdict = _verdict(printed, ours, basis, value, tolerance, others)
+    (tolerance, tolerance_from), verdict = (math.nan, ""), CONTRADICTS if ours.contradicts else HARDWARE
+    if not math.isnan(ours.value):
+        tolerance, tolerance_from = _tolerance(printed, ours)
+        verdict = _verdict(printed, ours, basis, tolerance, others)
     return {
         "id": printed.id, "place": printed.place, "quantity": printed.quantity, "unit": printed.unit,
         "kind": printed.kind, "basis": str(basis), "published": printed.printed,
-        "ours": value, "difference": value - printed.value, "tolerance": tolerance, "tolerance_from": tolerance_from,
-        "verdict": verdict, "must": ours.asserted == REPRODUCED, "asserted": ours.asserted,
+        "ours": ours.value, "difference": ours.value - printed.value,
+        "tolerance": tolerance, "tolerance_from": tolerance_from, "verdict": verdict,
+        "must": ours.asserted == REPRODUCED, "asserted": ours.asserted,
         "cause": ours.cause if verdict == DIFFERS else "", "target": ours.target,
         "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
     }  # fmt: skip

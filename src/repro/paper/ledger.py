@@ -65,7 +65,7 @@ def our_values(published: Published, config: Mapping[str, Any], results: Results
             value = replace(value, contradicts=_sentence(finding), contradiction=_size(finding))
         elif number.id in impossible:
             value = replace(value, note=f"{value.note}; not possible: {impossible[number.id]}")
-        if number.kind in ASSERTED_KINDS and value.value is not None and finding is None and not value.unused:
+        if number.kind in ASSERTED_KINDS and not (math.isnan(value.value) or finding or value.unused):
             value = replace(value, asserted=REPRODUCED)
         ours |= {number.id + suffix: side for suffix, side in {**values, "": value}.items()}
     for name in ASSERTED:

@@ -15,7 +15,7 @@ Expressions are those of `repro.paper.published.evaluate`. In a note, ``{EXPR}``
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -36,20 +36,15 @@ from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, eval
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.signals import programs, trajectories, validation_motions
 
-CONFIG_FILE = "config/config.yaml"
 #: Modules by their names in the column; what two modules share is looked up where it is defined.
 MODULES: dict[str, ModuleType] = {
-    "cnn.architecture": architecture,
-    "cnn.image": image,
-    "cnn.network": architecture,
-    "cnn.priors": priors,
-    "fpga.frames": frames,
-    "identification.algorithm1": parameters,
-    "model.dynamics": dynamics,
-    "model.stability": stability,
-    "signals.programs": programs,
-    "signals.trajectories": trajectories,
+    **{
+        module.__name__.removeprefix("repro."): module
+        for module in (architecture, image, priors, frames, dynamics, stability, programs, trajectories)
+    },
     "signals.validation_motions": validation_motions,
+    "cnn.network": architecture,
+    "identification.algorithm1": parameters,
 }
 
 
@@ -66,13 +61,8 @@ PARAMETERS = ("case", "method", "parameter", "true", "estimate", "estimate_sd")
 
 #: Result files by their path in the results folder, and the columns that each must have.
 FILES: dict[str, tuple[str, ...]] = {
-    "tables/table04.csv": PARAMETERS,
-    "tables/table05.csv": PARAMETERS,
-    "tables/table06.csv": SIMILARITY,
-    "tables/table07.csv": SIMILARITY,
-    "tables/table08.csv": SIMILARITY,
-    "tables/table09.csv": PARAMETERS,
-    "tables/table10.csv": SIMILARITY,
+    **{f"tables/table{number}.csv": PARAMETERS for number in ("04", "05", "09")},
+    **{f"tables/table{number}.csv": SIMILARITY for number in ("06", "07", "08", "10")},
     "tables/stability.csv": ("method", "quantity", "value", "bound"),
     "tables/board_size.csv": ("block", "quantity", "least", "most"),
     "model/training.csv": HISTORY_COLUMNS,
@@ -80,23 +70,14 @@ FILES: dict[str, tuple[str, ...]] = {
     "validation/experiment.csv": SCORES,
 }
 
-#: Scores of every seed behind a table of medians, and the trajectory that the table is about.
+#: Scores of every seed behind a table of medians: their file, and the trajectory that the table is about.
 _SEEDS = {
-    "table04": ("validation/numeric.csv", "ID"),
-    "table05": ("validation/numeric.csv", "ID"),
-    "table06": ("validation/numeric.csv", "ID"),
-    "table07": ("validation/numeric.csv", "validation"),
-    "table10": ("validation/experiment.csv", ""),
+    **dict.fromkeys(("table04", "table05", "table06"), ("validation/numeric.csv", {"trajectory": "ID"})),
+    "table07": ("validation/numeric.csv", {"trajectory": "validation"}),
+    "table10": ("validation/experiment.csv", {}),
 }
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A number of a table, and its scatter over the seeds."""
-
-    value: float
-    std: float = 0.0
-    seeds: int = 1
+#: An interval wider than one point of per cent either way compares nothing.
+SIMILARITY_MARGIN = Margin(100.0 * EQUIVALENT, 1.0)
 
 
 class Results:
@@ -127,34 +108,30 @@ class Results:
             raise InputError.at(place, text or "nothing", "a finite number")
         return float(number)
 
-    def _totals(self, table: str, quantity: str = "total", **wanted: object) -> pd.Series:
-        """Similarities of every seed behind rows of a table, %, by the seed."""
+    def totals(self, table: str, quantity: str = "total", **wanted: object) -> pd.Series:
+        """Similarities of every seed behind rows of a table, %, by the seed; none for a table of one run."""
+        if table not in _SEEDS:
+            return pd.Series(dtype=float)
         name, trajectory = _SEEDS[table]
-        rows = self.rows(name, **wanted, **({"trajectory": trajectory} if trajectory else {}))
+        rows = self.rows(name, **wanted, **trajectory)
         return 100.0 * pd.to_numeric(rows[quantity], errors="coerce").set_axis(rows["seed"])
 
-    def similarity(self, table: str, case: str, method: str, joint: int, quantity: str) -> Sample:
+    def similarity(self, table: str, case: str, method: str, joint: int, quantity: str = "total") -> OurValue:
         """Similarity of a table, %."""
         row = {"case": case, "method": method, "joint": joint}
         value = 100.0 * self.number(f"tables/{table}.csv", quantity, **row)
-        return _sample(value, self._totals(table, quantity, **row)) if table in _SEEDS else Sample(value)
+        return _similarity_of(value, table, self.totals(table, quantity, **row))
 
-    def mean_total(self, table: str, method: str, cases: tuple[str, ...]) -> Sample:
+    def mean_total(self, table: str, method: str, cases: tuple[str, ...]) -> OurValue:
         """Mean of the totals of both joints in some cases, %."""
-        cells = [self.similarity(table, case, method, joint, "total").value for case in cases for joint in (1, 2)]
-        scores = pd.concat([self._totals(table, case=case, method=method) for case in cases])
-        return _sample(float(np.mean(cells)), scores.groupby(level=0).mean())
-
-    def parameter(self, table: str, case: str, method: str, name: str) -> tuple[float, Sample]:
-        """True value of a parameter, and its estimate, SI units."""
-        row = {"case": case, "method": method, "parameter": name}
-        true, estimate, sd = (self.number(f"tables/{table}.csv", c, **row) for c in PARAMETERS[3:])
-        seeds = self._totals(table, case=case, method=method).index.nunique() if table in _SEEDS else 1
-        return true, Sample(estimate, sd, seeds)
+        cells = [self.similarity(table, case, method, joint).value for case in cases for joint in (1, 2)]
+        scores = pd.concat([self.totals(table, case=case, method=method) for case in cases])
+        return _similarity_of(float(np.mean(cells)), table, scores.groupby(level=0).mean())
 
 
-def _sample(value: float, scores: pd.Series) -> Sample:
-    return Sample(value, float(scores.std(ddof=1)), len(scores)) if len(scores) > 1 else Sample(value)
+def _similarity_of(value: float, table: str, scores: pd.Series) -> OurValue:
+    ours = OurValue(value, table, margin=SIMILARITY_MARGIN, better=higher)
+    return replace(ours, std=float(scores.std()), seeds=len(scores)) if len(scores) > 1 else ours
 
 
 def _words(wanted: Mapping[str, object]) -> str:
@@ -163,8 +140,6 @@ def _words(wanted: Mapping[str, object]) -> str:
 
 ALGORITHM, LEAST_SQUARES = "algorithm1", "least-squares"
 VALIDATION_CASES = ("T1", "T2", "T3", "T4")
-#: An interval wider than one point of per cent either way compares nothing.
-SIMILARITY_MARGIN = Margin(100.0 * EQUIVALENT, 1.0)
 
 
 @dataclass(frozen=True)
@@ -199,15 +174,12 @@ def training_note(config: Mapping[str, Any]) -> str:
     return f"training {differing} of the network: ours" if differing else ""
 
 
-def _score(sample: Sample, table: str, case: str, variant: Variant, *notes: str) -> OurValue:
+def _score(score: OurValue, case: str, variant: Variant, *notes: str) -> OurValue:
     basis, cause = Basis.NUMERIC, "another network"
-    if table == "table10":
+    if score.target == "table10":
         calibrated = variant.method == LEAST_SQUARES and case in CALIBRATED_ON
         basis, cause = Basis.CONSTRUCTION if calibrated else Basis.ARM, variant.cause
-    note = "; ".join(filter(None, (*notes, variant.note)))
-    return OurValue(
-        sample.value, table, basis, sample.std, sample.seeds, SIMILARITY_MARGIN, higher, cause=cause, note=note
-    )
+    return replace(score, basis=basis, cause=cause, note="; ".join(filter(None, (*notes, variant.note))))
 
 
 def _similarity(number: PublishedValue, results: Results, config: Mapping[str, Any]) -> Values:
@@ -215,53 +187,51 @@ def _similarity(number: PublishedValue, results: Results, config: Mapping[str, A
     table, case, joint = number.id.partition("/")[0], number.case, number.joint or 0
     note = training_note(config) if table == "table07" else ""
     variants = (LINEAR,) if number.method == LEAST_SQUARES else VARIANTS[table]
-    samples = {
-        variant: results.similarity(table, case, variant.method, joint, number.quantity)
-        for variant in (variants if number.quantity == "total" else variants[:1])
-    }
-    return {variant.suffix: _score(sample, table, case, variant, note) for variant, sample in samples.items()}
+    values = {}
+    for variant in variants if number.quantity == "total" else variants[:1]:
+        score = results.similarity(table, case, variant.method, joint, number.quantity)
+        values[variant.suffix] = _score(score, case, variant, note)
+    return values
 
 
 def _parameter(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
     """Cell of Table 4 or 5."""
-    table = number.id.partition("/")[0]
-    true, estimate = results.parameter(table, number.case, ALGORITHM, number.parameter)
+    table, run = number.id.partition("/")[0], {"case": number.case, "method": ALGORITHM}
+    file, row = f"tables/{table}.csv", {**run, "parameter": number.parameter}
+    true, estimate, sd = (results.number(file, column, **row) for column in ("true", "estimate", "estimate_sd"))
+    seeds = results.totals(table, **run).index.nunique()
+    # A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
+    margin = Margin(0.05 * abs(number.value), 0.25 * abs(number.value))
 
     def nearer(published: float, ours: float) -> bool:
         return abs(ours - true) < abs(published - true)
 
-    # A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
-    margin = Margin(0.05 * abs(number.value), 0.25 * abs(number.value))
-    ours = OurValue(
-        estimate.value, table, Basis.NUMERIC, estimate.std, estimate.seeds, margin, nearer,
-        cause="another network", note=f"true value {true:g}",
-    )  # fmt: skip
+    note = f"true value {true:g}"
+    ours = OurValue(estimate, table, Basis.NUMERIC, sd, seeds, margin, nearer, cause="another network", note=note)
     return {"": ours}
 
 
 def _tracking(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
     """Cell of Table 8. The arm's Coulomb friction and back-EMF are solved for joint 2."""
-    value = results.similarity("table08", "tracking", "pd", number.joint or 0, "total").value
-    basis = Basis.CONSTRUCTION if number.joint == 2 else Basis.ARM
-    return {"": OurValue(value, "table08", basis, margin=SIMILARITY_MARGIN, better=higher, cause="lag of the gains")}
+    value = results.similarity("table08", "tracking", "pd", number.joint or 0)
+    return {"": replace(value, basis=Basis.CONSTRUCTION if number.joint == 2 else Basis.ARM, cause="lag of the gains")}
 
 
 def _mean(number: PublishedValue, results: Results, config: Mapping[str, Any]) -> Values:
     """Mean of the eight totals of Table 6."""
-    notes = number.note, training_note(config)
     means = {variant: results.mean_total("table06", variant.method, NUMERIC_CASES) for variant in VARIANTS["table06"]}
-    return {variant.suffix: _score(mean, "table06", "", variant, *notes) for variant, mean in means.items()}
+    notes = number.note, training_note(config)
+    return {variant.suffix: _score(mean, "", variant, *notes) for variant, mean in means.items()}
 
 
 def _extreme(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
     """Smallest total of ID, or largest total of the validation motions, in Table 10."""
-    smallest = number.ours.endswith("smallest")
-    cases, choose = (("ID",), min) if smallest else (VALIDATION_CASES, max)
+    cases, choose = (("ID",), min) if number.ours.endswith("smallest") else (VALIDATION_CASES, max)
     values = {}
     for variant in VARIANTS["table10"]:
-        totals = [results.similarity("table10", case, variant.method, j, "total") for case in cases for j in (1, 2)]
+        totals = [results.similarity("table10", case, variant.method, j) for case in cases for j in (1, 2)]
         extreme = choose(totals, key=lambda total: total.value)
-        values[variant.suffix] = _score(extreme, "table10", cases[0], variant, number.note)
+        values[variant.suffix] = _score(extreme, cases[0], variant, number.note)
     return values
 
 
@@ -281,10 +251,8 @@ def _board(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Va
     least, most = (results.number("tables/board_size.csv", bound, **row) for bound in ("least", "most"))
     note = f"{least:g} to {most:g}; {number.note}" if least < most else number.note
     middle, strict = 0.5 * (least + most), number.kind == SETTING
-    ours = OurValue(
-        middle, "board_size", bounds=most - middle, strict=strict, cause="" if strict else "another board", note=note
-    )
-    return {"": ours}
+    cause = "" if strict else "another board"
+    return {"": OurValue(middle, "board_size", bounds=most - middle, strict=strict, cause=cause, note=note)}
 
 
 def _loss(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
@@ -298,7 +266,8 @@ def _parameter_ratio(number: PublishedValue, results: Results, _: Mapping[str, A
     """Ratio of parameters of Table 9, which Section V-C states in words."""
 
     def estimates(method: str) -> dict[str, float]:
-        return {name: results.parameter("table09", "ID", method, name)[1].value for name in NAMES}
+        row = {"case": "ID", "method": method}
+        return {name: results.number("tables/table09.csv", "estimate", **row, parameter=name) for name in NAMES}
 
     statement = number.ours.rpartition(":")[2]
     beta = estimates(number.method or ALGORITHM)
@@ -309,13 +278,13 @@ def _parameter_ratio(number: PublishedValue, results: Results, _: Mapping[str, A
     else:
         least_squares = estimates(LEAST_SQUARES)
         ratio = min(_ratio(least_squares[name], beta[name]) for name in ("b1", "b2"))
-    return {"": _stated(ratio, "table09", LISTED.cause)}
+    return {"": OurValue(ratio, "table09", Basis.ARM, strict=True, cause=LISTED.cause)}
 
 
 def _total_ratio(_: PublishedValue, results: Results, __: Mapping[str, Any]) -> Values:
     """Total of least squares over that of Algorithm 1 for joint 1 of ID."""
-    totals = [results.similarity("table10", "ID", method, 1, "total").value for method in (LEAST_SQUARES, ALGORITHM)]
-    return {"": _stated(_ratio(*totals), "table10", LISTED.cause)}
+    least_squares, ours = (results.similarity("table10", "ID", name, 1).value for name in (LEAST_SQUARES, ALGORITHM))
+    return {"": OurValue(_ratio(least_squares, ours), "table10", Basis.ARM, strict=True, cause=LISTED.cause)}
 
 
 def _validation_ratio(_: PublishedValue, results: Results, __: Mapping[str, Any]) -> Values:
@@ -324,13 +293,11 @@ def _validation_ratio(_: PublishedValue, results: Results, __: Mapping[str, Any]
     values = {}
     for variant in VARIANTS["table10"]:
         ratio = _ratio(results.mean_total("table10", variant.method, VALIDATION_CASES).value, baseline)
-        asserted = "" if variant.suffix else DIFFERS  # as listed it does not reach least squares, whatever the network
-        values[variant.suffix] = _stated(ratio, "table10", variant.cause, asserted, variant.note)
+        values[variant.suffix] = OurValue(
+            ratio, "table10", Basis.ARM, strict=True, cause=variant.cause, note=variant.note,
+            asserted="" if variant.suffix else DIFFERS,  # as listed it is below least squares, whatever the network
+        )  # fmt: skip
     return values
-
-
-def _stated(ratio: float, table: str, cause: str, asserted: str = "", note: str = "") -> OurValue:
-    return OurValue(ratio, table, Basis.ARM, strict=True, asserted=asserted, cause=cause, note=note)
 
 
 def _ratio(a: float, b: float) -> float:
@@ -365,7 +332,7 @@ def values_of(
     """Compute our values of a number; `audit` has the values found, by finding."""
     source, _, expression = number.ours.partition(":")
     if source == "bench":
-        return {"": OurValue(None, "", note=number.note)}
+        return {"": OurValue(math.nan, "", note=number.note)}
     if source == "result":
         return RESULT_SOURCES[expression.partition(":")[0]](number, results, config)
     module, names = "", {"pi": math.pi, "CIRCLE_RADIUS": validation_motions.CIRCLE_RADIUS, **config}
@@ -379,13 +346,12 @@ def values_of(
     except (ValueError, TypeError, LookupError, AttributeError, SyntaxError) as error:
         raise ValueError(f"{number.id}: ours: {number.ours} is no arithmetic on known names: {error}") from error
     if source == "arithmetic":
-        note = re.sub(
-            r"\{([^:}]+)(?::([^}]+))?\}", lambda match: format(evaluate(match[1], names), match[2] or "g"), number.note
-        )
+        field = re.compile(r"\{([^:}]+)(?::([^}]+))?\}")
+        note = field.sub(lambda match: format(evaluate(match[1], names), match[2] or "g"), number.note)
         return {"": OurValue(value, LEDGER, Basis.ARITHMETIC, note=note)}
     if source == "const":
         note = "; ".join(filter(None, (number.note, "repro." + module)))
         return {"": OurValue(value, LEDGER, strict=True, note=note)}
-    note = ", ".join(filter(None, (f"{CONFIG_FILE}: {_first_key(expression, config)}", number.note)))
+    note = ", ".join(filter(None, (f"config/config.yaml: {_first_key(expression, config)}", number.note)))
     unused = source == "schedule" and config["training"]["recipe"] != "paper"
     return {"": OurValue(value, LEDGER, strict=True, unused=unused, note=note)}
