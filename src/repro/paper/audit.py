@@ -7,7 +7,6 @@ texts, and findings about words alone, are in ``findings.csv`` (`repro.paper.fin
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,11 +17,7 @@ from repro.paper.finding import CONTRADICTS, QUESTIONABLE, Check, Finding, read_
 from repro.paper.metric_search import abstract_check, composition, torque_bounds
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, load_published, parameter_id
 from repro.signals.metric import MetricSettings, TimeFormula
-from repro.signals.programs import MEMORY_SAMPLES
 
-#: Memory of the EP4CE22; like the length of the desired trajectory that fills it best, not printed in the paper.
-DEVICE_MEMORY_BITS = 608256
-FLOAT_BITS = 32
 VALIDATION = ("T1", "T2", "T3", "T4")
 #: Interpretations of the time factor, by the formula of the metric.
 TIME_FACTORS: dict[TimeFormula, str] = {"mean-square": "mean square", "energy": "energy ratio"}
@@ -37,20 +32,17 @@ def _totals_of_table(c: Check) -> list[Finding]:
     findings = []
     for place, cells in composition(c.published).groupby("place", sort=False):
         used = [number for total in cells["id"] for number in _cell(c, total)]
-        table = used[0].id.split("/")[0]
-        agree = int(cells["agrees"].sum())
-        findings.append(c.equals(agree, len(cells), 0.0, used, table=table, cells_place=place))
+        texts = {"table": used[0].id.split("/")[0], "cells_place": place}
+        findings.append(c.equals(int(cells["agrees"].sum()), len(cells), 0.0, used, **texts))
     return findings
 
 
 def _wrong_totals(c: Check) -> list[Finding]:
-    cells = composition(c.published)
-    findings = []
-    for cell in cells[~cells["agrees"]].itertuples():
-        time, frequency, total = used = _cell(c, str(cell.id))
-        product, tolerance = time.value * frequency.value / 100.0, float(str(cell.tolerance))
-        named: dict[str, Any] = {"time": time, "frequency": frequency, "total": total}
-        findings.append(c.compares(product, total.value, False, tolerance=tolerance, uses=used, **named))
+    cells, findings = composition(c.published), []
+    for cell in cells[~cells["agrees"]].to_dict("records"):
+        time, frequency, total = used = _cell(c, cell["id"])
+        texts = {"tolerance": cell["tolerance"], "time": time, "frequency": frequency, "total": total}
+        findings.append(c.compares(cell["product"], total.value, False, uses=used, **texts))
     return findings
 
 
@@ -69,26 +61,22 @@ def _numeric_statements(c: Check) -> list[Finding]:
         totals = 100.0 * abstract_check(c.published, MetricSettings(time_formula=formula))["total"]
         for stated in (c.published["abstract/numeric/total"], c.published["section6/numeric/total"]):
             over, least = int((totals > stated.value).sum()), float(totals.min())
+            texts = {"stated": stated, "formula": formula, "factor": factor, "over": over, "mean": totals.mean()}
+            uses, satisfied = (stated, *pairs), over == len(totals)
+            tolerance = stated.half_step
             findings.append(
-                c.compares(
-                    least, stated.value, over == len(totals), tolerance=stated.half_step, uses=(stated, *pairs),
-                    stated=stated, formula=formula, factor=factor, over=over, of=len(totals),
-                    mean=totals.mean(),
-                )
-            )  # fmt: skip
+                c.compares(least, stated.value, satisfied, tolerance=tolerance, uses=uses, of=len(totals), **texts)
+            )
     return findings
 
 
 def _abstract_total(c: Check) -> Finding:
     identification, validation = _totals(c, "algorithm1", "ID"), _totals(c, "algorithm1", *VALIDATION)
-    least, both = min(identification, key=lambda v: v.value), (*identification, *validation)
-    below = sum(v.value < c.abstract for v in validation)
-    least_validation = f"{min(v.value for v in validation):.2f}"
-    return c.compares(
-        min(v.value for v in both), c.abstract, below == 0 and least.value >= c.abstract, uses=both,
-        tolerance=c.numbers["abstract"].half_step, least=least, least_validation=least_validation, below=below,
-        of=len(validation),
-    )  # fmt: skip
+    both, below = (*identification, *validation), sum(v.value < c.abstract for v in validation)
+    least, smallest = min(identification, key=lambda v: v.value), min(v.value for v in both)
+    texts = {"least": least, "least_validation": f"{min(v.value for v in validation):.2f}", "below": below}
+    tolerance, satisfied = c.numbers["abstract"].half_step, below == 0 and least.value >= c.abstract
+    return c.compares(smallest, c.abstract, satisfied, tolerance=tolerance, uses=both, of=len(validation), **texts)
 
 
 def _conclusion_total(c: Check) -> Finding:
@@ -124,23 +112,20 @@ def _coulomb_friction(c: Check) -> Finding:
     t1, t4, joint2 = (math.sqrt(bounds[cell]) for cell in (("T1", 1), ("T4", 1), ("T1", 2)))
     least, friction = min(t1, t4), 2.0 * math.sqrt(c.coupling) / c.epsilon
     verdict = CONTRADICTS if least < 0.5 * friction else QUESTIONABLE
-    k1 = appendix.FreeChoices().k1
-    return c.compares(
-        least, 0.5 * friction, least >= friction, verdict=verdict, t1=t1, t4=t4, joint2=joint2, friction=friction, k1=k1
-    )
+    texts = {"t1": t1, "t4": t4, "joint2": joint2, "friction": friction, "k1": appendix.FreeChoices().k1}
+    return c.compares(least, 0.5 * friction, least >= friction, verdict=verdict, **texts)
 
 
 def _definite(c: Check) -> list[Finding]:
     """Is M(q) positive definite for every q2? One finding for each true set or each published estimate."""
-    method = c.id.rpartition("/")[2]
-    findings = []
+    method, findings = c.id.rpartition("/")[2], []
     for case, beta in zip(NUMERIC_CASES, c.published.parameter_sets(method), strict=True):
         i1, i2, i3 = beta[:3]
         order = "I1 is not above I3: more inertia about joint 2 than about joint 1." if i1 <= i3 else ""
         uses = [parameter_id(case, method, name) for name in ("I1", "I2", "I3")]
-        found, table = float(i3 * (i1 - i3) - 0.25 * i2**2), 4 if case in NUMERIC_CASES[:2] else 5
-        texts: dict[str, Any] = {"case": case, "table": table, "order": order, "i1": i1, "i2": i2, "i3": i3}
-        findings.append(c.compares(found, 0.0, bool(is_positive_definite(beta)), uses=uses, **texts))
+        texts = {"case": case, "table": 4 if case in NUMERIC_CASES[:2] else 5, "order": order, "i1": i1, "i2": i2}
+        found, definite = float(i3 * (i1 - i3) - 0.25 * i2**2), bool(is_positive_definite(beta))
+        findings.append(c.compares(found, 0.0, definite, uses=uses, i3=i3, **texts))
     return findings
 
 
@@ -169,18 +154,14 @@ def _training_ranges(c: Check) -> list[Finding]:
         "I1 - I3": f"m1 lc1^2 + J1 + m2 l1^2 <= 2 x {mass} x {length}^2 + {length}",
     }
     findings = []
-    for k, (name, formula) in enumerate(formulas.items()):
-        v = values[:, k]
-        count = int(((v < low[k]) | (v > high[k])).sum())
+    for (name, formula), v, least, most in zip(formulas.items(), values.T, low, high, strict=True):
+        count = int(((v < least) | (v > most)).sum())
         outside = f"{count} of 4 arms lie outside; the value printed here is the farthest." if count else ""
-        farthest = v[np.argmax(np.maximum(v - high[k], low[k] - v))] if count else v.max()
-        findings.append(
-            c.compares(
-                float(high[k]), float(farthest), count == 0, uses=_true_ids(*name.split(" - ")), name=name,
-                id=name.replace(" ", ""), formula=formula, low=low[k], outside=outside,
-                range_unit="N m" if name[0] == "g" else "kg m^2", values=", ".join(f"{x:.4f}" for x in v),
-            )
-        )  # fmt: skip
+        farthest = v[np.argmax(np.maximum(v - most, least - v))] if count else v.max()
+        texts = {"id": name.replace(" ", ""), "name": name, "formula": formula, "low": least, "outside": outside}
+        texts |= {"range_unit": "N m" if name[0] == "g" else "kg m^2", "values": ", ".join(f"{x:.4f}" for x in v)}
+        uses = _true_ids(*name.split(" - "))
+        findings.append(c.compares(float(most), float(farthest), count == 0, uses=uses, **texts))
     return findings
 
 
@@ -201,19 +182,18 @@ def _link_one(c: Check) -> Finding:
 
 def _repeated(c: Check) -> Finding:
     """Compare a number that is stated more than once with itself."""
-    numbers = list(c.numbers.values())
+    numbers = c.numbers.values()
     places = ", ".join(dict.fromkeys(v.place for v in numbers))
     texts = {"places": places, "values": " = ".join(v.text or v.printed for v in numbers)}
-    values = [v.value for v in numbers]
-    return c.equals(max(values), min(values), 0.0, number_unit=numbers[0].unit, **texts)
+    values, units = zip(*((v.value, v.unit) for v in numbers), strict=True)
+    return c.equals(max(values), min(values), 0.0, number_unit=units[0], **texts)
 
 
 def _trajectory_speed(c: Check) -> Finding:
     t = np.linspace(0.0, c.duration * math.pi, 20001)
     second = (-c.a1 * c.f1 * np.sin(c.f1 * t + c.p1), c.a2 * c.f2 * np.cos(c.f2 * t + c.p2))
     peak1, peak2 = (float(np.abs(first + s).max()) for first, s in zip((np.cos(t), np.sin(t)), second, strict=True))
-    largest = max(peak1, peak2)
-    return c.compares(largest, c.speed, largest <= c.speed, peak1=peak1, peak2=peak2)
+    return c.compares(max(peak1, peak2), c.speed, max(peak1, peak2) <= c.speed, peak1=peak1, peak2=peak2)
 
 
 def _map_sizes(c: Check) -> Finding:
@@ -228,19 +208,6 @@ def _map_sizes(c: Check) -> Finding:
     whole = fits and size > 0 and size == round(size)
     chain = " -> ".join(f"{each:g}" for each in sizes)
     return c.compares(size, round(size), whole, tolerance=0.0, chain=chain, inputs=size**2 * c.maps)
-
-
-def _label(c: Check) -> Finding:
-    """Send the label of a residual of 1 through line 20."""
-    label = 1.0 / (1.0 + math.exp(1.0))
-    return c.compares(-math.log((1.0 - label) / label), 1.0, False, tolerance=0.0, label=label)
-
-
-def _memory_share(c: Check) -> Finding:
-    stored = MEMORY_SAMPLES * c.joints * FLOAT_BITS
-    texts: dict[str, Any] = {"samples": MEMORY_SAMPLES, "float_bits": FLOAT_BITS, "available": DEVICE_MEMORY_BITS}
-    rest = c.memory * DEVICE_MEMORY_BITS / 100.0 - stored
-    return c.equals(100.0 * stored / DEVICE_MEMORY_BITS, rest=rest, **texts)
 
 
 #: Checks by the id of their row in ``findings.csv``; the other rows have their expressions in the file.
@@ -262,8 +229,6 @@ CHECKS: dict[str, Callable[[Check], Finding | list[Finding]]] = {
     "range/l1": _link_one,
     "eq10/speed": _trajectory_speed,
     "section4b/sizes": _map_sizes,
-    "section4b/labels": _label,
-    "section3/memory-share": _memory_share,
     "appendix/determinant": appendix.determinant,
     "appendix/corner": appendix.corner,
     "appendix/arm": appendix.arm,

@@ -65,6 +65,10 @@ class Finding:
     numbers: tuple[str, ...] = ()  # ids of the published numbers that the check uses
 
 
+#: Published numbers, or their ids, that a check uses besides those of its row.
+Uses = Iterable[PublishedValue | str]
+
+
 class _Texts(Formatter):
     """Templates whose fields are names, or arithmetic on the values of numbers."""
 
@@ -98,38 +102,30 @@ class Check:
         found: float,
         printed: float | None = None,
         tolerance: float | None = None,
-        uses: Iterable[PublishedValue | str] = (),
+        uses: Uses = (),
         **texts: Any,  # noqa: ANN401
     ) -> Finding:
         """Compare a calculated number with a printed one, by default the published number of this id as printed."""
-        if printed is None or tolerance is None:
-            subject = self.published[self.id]
-            printed = subject.value if printed is None else printed
-            tolerance = subject.half_step if tolerance is None else tolerance
+        if printed is None:
+            printed = self.published[self.id].value
+        if tolerance is None:
+            tolerance = self.published[self.id].half_step
         same = abs(found - printed) <= tolerance * (1.0 + _ROUNDING)
         return self.compares(found, printed, same, tolerance=tolerance, uses=uses, **texts)
 
     def compares(
-        self,
-        found: float,
-        printed: float,
-        consistent: bool,
-        *,
-        tolerance: float = math.nan,
-        verdict: str = "",
-        uses: Iterable[PublishedValue | str] = (),
-        **texts: Any,  # noqa: ANN401
-    ) -> Finding:
+        self, found: float, printed: float, consistent: bool, *,
+        tolerance: float = math.nan, verdict: str = "", uses: Uses = (), **texts: Any,  # noqa: ANN401
+    ) -> Finding:  # fmt: skip
         """Report a calculated number next to a printed one, for example a limit, with the outcome of the check."""
         named = {"found": found, "printed": printed, "values": self._values, **self.numbers, **texts}
         text = {name: _Texts().vformat(self._row[name], (), named) for name in TEXTS}
         if not text["place"]:
             subject = self.published[self.id]
             text |= {"place": subject.place, "unit": text["unit"] or subject.unit}
-        used = (*self.numbers.values(), *uses)
         text["note"] = text["note"].strip()
         text["verdict"] = CONSISTENT if consistent else verdict or text["verdict"]
-        ids = tuple(number if isinstance(number, str) else number.id for number in used)
+        ids = tuple(number if isinstance(number, str) else number.id for number in (*self.numbers.values(), *uses))
         return Finding(**text, found=found, printed=printed, tolerance=tolerance, numbers=ids)
 
     def calculated(self) -> Finding:

@@ -159,7 +159,9 @@ def _self_similarity() -> float:
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "count": _count,
+    "exp": math.exp,
     "len": len,
+    "log": math.log,
     "round": round,
     "self_similarity": _self_similarity,
     "sum": sum,
