@@ -28,20 +28,17 @@ class Signal:
     """A signal or spectrum of shape (..., 2, N), and sums over its samples, each of shape (..., 2)."""
 
     def __init__(self, values: Array) -> None:
-        self.values = values
-        self.n = values.shape[-1]
-        self.low, self.high = np.asarray(values.min(-1)), np.asarray(values.max(-1))
+        self.values, self.n = values, values.shape[-1]
+        self.low, self.high, self.mean = (np.asarray(reduce(values, -1)) for reduce in (np.min, np.max, np.mean))
         self.peak = np.maximum(self.high, -self.low)
-        self.mean = np.asarray(values.mean(-1))
         self.norm1 = np.asarray(np.abs(values).sum(-1))
         self.square = np.asarray(np.einsum("...n,...n->...", values, values))
         self.norm = np.sqrt(self.square)
-        self.mean_square = np.asarray(self.square / self.n)
+        self.mean_square, self.mean_absolute = np.asarray(self.square / self.n), np.asarray(self.norm1 / self.n)
         self.rms = np.sqrt(self.mean_square)
-        self.mean_absolute = np.asarray(self.norm1 / self.n)
 
     def normalised(self, name: str) -> Array:
-        """Return the values normalised in one of the ways of `_NORMALISATIONS`."""
+        """Normalise the values in one of the ways of `_NORMALISATIONS`."""
         if name == "0 to 1":
             return np.asarray((self.values - self.low[..., np.newaxis]) / (self.high - self.low)[..., np.newaxis])
         scale = {"2-norm": self.norm, "1-norm": self.norm1, "maximum": self.high, "sum": self.n * self.mean}[name]
@@ -53,23 +50,16 @@ class Pair:
 
     def __init__(self, x: Array, y: Array) -> None:
         self.x, self.y = Signal(x), Signal(y)
+        self.range = np.asarray(self.x.high - self.x.low)
+        #: Largest magnitude of both joints, the normalisation of torque in Eq. 8.
+        self.common_peak = np.max(self.x.peak, -1, keepdims=True)
         self._of_kind: dict[str, Pair] = {}
         self._normalised: dict[str, Signal] = {}
 
     @cached_property
-    def difference(self) -> Signal:
+    def error(self) -> Signal:
         """Difference of the signals."""
         return Signal(self.x.values - self.y.values)
-
-    @property
-    def range(self) -> Array:
-        """Range of the actual signal."""
-        return np.asarray(self.x.high - self.x.low)
-
-    @property
-    def common_peak(self) -> Array:
-        """Largest magnitude of both joints, the normalisation of torque in Eq. 8."""
-        return np.asarray(np.max(self.x.peak, -1, keepdims=True))
 
     @cached_property
     def cosine(self) -> Array:
@@ -85,14 +75,13 @@ class Pair:
     def of_kind(self, kind: str) -> "Pair":
         """Spectra of another kind."""
         if kind not in self._of_kind:
-            function = _KINDS[kind][2]
-            self._of_kind[kind] = Pair(function(self.x.values), function(self.y.values))
+            self._of_kind[kind] = Pair(*(_KINDS[kind][2](signal.values) for signal in (self.x, self.y)))
         return self._of_kind[kind]
 
     def normalised(self, name: str) -> Signal:
         """Difference of the normalised signals."""
         if name == "none":
-            return self.difference
+            return self.error
         if name not in self._normalised:
             self._normalised[name] = Signal(self.x.normalised(name) - self.y.normalised(name))
         return self._normalised[name]
@@ -112,46 +101,38 @@ class Candidate:
 
 
 _TIME: tuple[tuple[str, str, Measure], ...] = (
-    ("mean square", "mean((x - y)^2), in the signal's unit squared", lambda p: p.difference.mean_square),
-    ("rms", "rms(x - y), in the signal's unit", lambda p: p.difference.rms),
-    ("mean absolute", "mean|x - y|, in the signal's unit", lambda p: p.difference.mean_absolute),
-    ("maximum", "max|x - y|, in the signal's unit", lambda p: p.difference.peak),
+    ("mean square", "mean((x - y)^2), in the signal's unit squared", lambda p: p.error.mean_square),
+    ("rms", "rms(x - y), in the signal's unit", lambda p: p.error.rms),
+    ("mean absolute", "mean|x - y|, in the signal's unit", lambda p: p.error.mean_absolute),
+    ("maximum", "max|x - y|, in the signal's unit", lambda p: p.error.peak),
     ("mean difference", "|mean(x) - mean(y)|, in the signal's unit", lambda p: np.abs(p.x.mean - p.y.mean)),
-    ("energy", "||x - y||^2 / ||x||^2", lambda p: p.difference.square / p.x.square),
-    ("relative 2-norm", "||x - y|| / ||x||", lambda p: p.difference.norm / p.x.norm),
-    ("relative 1-norm", "|x - y|_1 / |x|_1", lambda p: p.difference.norm1 / p.x.norm1),
-    ("relative maximum", "max|x - y| / max|x|", lambda p: p.difference.peak / p.x.peak),
-    ("mean square by peak", "mean((x - y)^2) / max|x|^2", lambda p: p.difference.mean_square / p.x.peak**2),
-    ("rms by peak", "rms(x - y) / max|x|", lambda p: p.difference.rms / p.x.peak),
-    ("mean absolute by peak", "mean|x - y| / max|x|", lambda p: p.difference.mean_absolute / p.x.peak),
+    ("energy", "||x - y||^2 / ||x||^2", lambda p: p.error.square / p.x.square),
+    ("relative 2-norm", "||x - y|| / ||x||", lambda p: p.error.norm / p.x.norm),
+    ("relative 1-norm", "|x - y|_1 / |x|_1", lambda p: p.error.norm1 / p.x.norm1),
+    ("relative maximum", "max|x - y| / max|x|", lambda p: p.error.peak / p.x.peak),
+    ("mean square by peak", "mean((x - y)^2) / max|x|^2", lambda p: p.error.mean_square / p.x.peak**2),
+    ("rms by peak", "rms(x - y) / max|x|", lambda p: p.error.rms / p.x.peak),
+    ("mean absolute by peak", "mean|x - y| / max|x|", lambda p: p.error.mean_absolute / p.x.peak),
     (
         "mean square by common peak",
         "mean((x - y)^2) / peak(x1, x2)^2",
-        lambda p: p.difference.mean_square / p.common_peak**2,
+        lambda p: p.error.mean_square / p.common_peak**2,
     ),
-    ("rms by common peak", "rms(x - y) / peak(x1, x2)", lambda p: p.difference.rms / p.common_peak),
-    (
-        "mean absolute by common peak",
-        "mean|x - y| / peak(x1, x2)",
-        lambda p: p.difference.mean_absolute / p.common_peak,
-    ),
-    ("mean square by range", "mean((x - y)^2) / range(x)^2", lambda p: p.difference.mean_square / p.range**2),
-    ("rms by range", "rms(x - y) / range(x)", lambda p: p.difference.rms / p.range),
-    ("mean absolute by range", "mean|x - y| / range(x)", lambda p: p.difference.mean_absolute / p.range),
-    ("maximum by range", "max|x - y| / range(x)", lambda p: p.difference.peak / p.range),
-    ("mean square by variance", "mean((x - y)^2) / var(x)", lambda p: p.difference.square / p.centred.x.square),
-    ("rms by deviation", "rms(x - y) / std(x)", lambda p: p.difference.rms / p.centred.x.rms),
-    ("mean absolute by deviation", "mean|x - y| / std(x)", lambda p: p.difference.mean_absolute / p.centred.x.rms),
-    ("variance of error", "var(x - y) / var(x)", lambda p: p.centred.difference.square / p.centred.x.square),
-    ("deviation of error", "std(x - y) / std(x)", lambda p: p.centred.difference.norm / p.centred.x.norm),
-    (
-        "energy, symmetric",
-        "||x - y||^2 / (||x||^2 + ||y||^2)",
-        lambda p: p.difference.square / (p.x.square + p.y.square),
-    ),
-    ("energy, geometric", "||x - y||^2 / (||x|| ||y||)", lambda p: p.difference.square / (p.x.norm * p.y.norm)),
-    ("2-norm, symmetric", "||x - y|| / (||x|| + ||y||)", lambda p: p.difference.norm / (p.x.norm + p.y.norm)),
-    ("1-norm, symmetric", "|x - y|_1 / (|x|_1 + |y|_1)", lambda p: p.difference.norm1 / (p.x.norm1 + p.y.norm1)),
+    ("rms by common peak", "rms(x - y) / peak(x1, x2)", lambda p: p.error.rms / p.common_peak),
+    ("mean absolute by common peak", "mean|x - y| / peak(x1, x2)", lambda p: p.error.mean_absolute / p.common_peak),
+    ("mean square by range", "mean((x - y)^2) / range(x)^2", lambda p: p.error.mean_square / p.range**2),
+    ("rms by range", "rms(x - y) / range(x)", lambda p: p.error.rms / p.range),
+    ("mean absolute by range", "mean|x - y| / range(x)", lambda p: p.error.mean_absolute / p.range),
+    ("maximum by range", "max|x - y| / range(x)", lambda p: p.error.peak / p.range),
+    ("mean square by variance", "mean((x - y)^2) / var(x)", lambda p: p.error.square / p.centred.x.square),
+    ("rms by deviation", "rms(x - y) / std(x)", lambda p: p.error.rms / p.centred.x.rms),
+    ("mean absolute by deviation", "mean|x - y| / std(x)", lambda p: p.error.mean_absolute / p.centred.x.rms),
+    ("variance of error", "var(x - y) / var(x)", lambda p: p.centred.error.square / p.centred.x.square),
+    ("deviation of error", "std(x - y) / std(x)", lambda p: p.centred.error.norm / p.centred.x.norm),
+    ("energy, symmetric", "||x - y||^2 / (||x||^2 + ||y||^2)", lambda p: p.error.square / (p.x.square + p.y.square)),
+    ("energy, geometric", "||x - y||^2 / (||x|| ||y||)", lambda p: p.error.square / (p.x.norm * p.y.norm)),
+    ("2-norm, symmetric", "||x - y|| / (||x|| + ||y||)", lambda p: p.error.norm / (p.x.norm + p.y.norm)),
+    ("1-norm, symmetric", "|x - y|_1 / (|x|_1 + |y|_1)", lambda p: p.error.norm1 / (p.x.norm1 + p.y.norm1)),
     ("cosine", "1 - cos(x, y)", lambda p: 1.0 - p.cosine),
     ("correlation", "1 - corr(x, y)", lambda p: 1.0 - p.centred.cosine),
     ("cosine squared", "1 - cos(x, y)^2", lambda p: 1.0 - p.cosine**2),
@@ -195,22 +176,22 @@ _DISTANCES: tuple[tuple[str, str, Callable[[Signal], Array]], ...] = (
 
 #: Errors of two spectra S and T that do not change when both are scaled alike.
 _SCALE_FREE: tuple[tuple[str, str, Measure], ...] = (
-    ("relative 2-norm", "||{S} - {T}|| / ||{S}||", lambda p: p.difference.norm / p.x.norm),
-    ("relative 1-norm", "|{S} - {T}|_1 / |{S}|_1", lambda p: p.difference.norm1 / p.x.norm1),
-    ("relative maximum", "max|{S} - {T}| / max|{S}|", lambda p: p.difference.peak / p.x.peak),
-    ("relative energy", "||{S} - {T}||^2 / ||{S}||^2", lambda p: p.difference.square / p.x.square),
+    ("relative 2-norm", "||{S} - {T}|| / ||{S}||", lambda p: p.error.norm / p.x.norm),
+    ("relative 1-norm", "|{S} - {T}|_1 / |{S}|_1", lambda p: p.error.norm1 / p.x.norm1),
+    ("relative maximum", "max|{S} - {T}| / max|{S}|", lambda p: p.error.peak / p.x.peak),
+    ("relative energy", "||{S} - {T}||^2 / ||{S}||^2", lambda p: p.error.square / p.x.square),
     ("cosine", "1 - cos({S}, {T})", lambda p: 1.0 - p.cosine),
     ("correlation", "1 - corr({S}, {T})", lambda p: 1.0 - p.centred.cosine),
     ("angle", "2 acos(cos({S}, {T})) / pi", lambda p: 2.0 / np.pi * np.arccos(np.clip(p.cosine, -1.0, 1.0))),
 )
 
 
-def _normalised(kind: str, normalisation: str, distance: Callable[[Signal], Array]) -> Measure:
-    return lambda p: distance(p.of_kind(kind).normalised(normalisation))
-
-
-def _of_kind(kind: str, measure: Measure) -> Measure:
+def _of_spectra(kind: str, measure: Measure) -> Measure:
     return lambda p: measure(p.of_kind(kind))
+
+
+def _of_normalised(normalisation: str, distance: Callable[[Signal], Array]) -> Measure:
+    return lambda p: distance(p.normalised(normalisation))
 
 
 def _frequency_candidates() -> Iterator[Candidate]:
@@ -218,13 +199,14 @@ def _frequency_candidates() -> Iterator[Candidate]:
     for kind, (x, y, _) in _KINDS.items():
         for norm, shape in _NORMALISATIONS.items():
             # Division by the sum differs from division by the 1-norm for the signed spectrum only.
-            for distance, form, measure in _DISTANCES if norm != "sum" or kind == "signed" else ():
+            for name, form, distance in _DISTANCES if norm != "sum" or kind == "signed" else ():
                 formula = form.format(D=f"{shape.format(S=x)} - {shape.format(S=y)}")
-                name = f"{kind} | {norm} | {distance}"
-                yield Candidate("frequency", name, formula, _normalised(kind, norm, measure))
+                measure = _of_spectra(kind, _of_normalised(norm, distance))
+                yield Candidate("frequency", f"{kind} | {norm} | {name}", formula, measure)
     for kind, (x, y, _) in _KINDS.items():
         for name, form, error in _SCALE_FREE:
-            yield Candidate("frequency", f"{kind} | - | {name}", form.format(S=x, T=y), _of_kind(kind, error))
+            formula = form.format(S=x, T=y)
+            yield Candidate("frequency", f"{kind} | - | {name}", formula, _of_spectra(kind, error))
 
 
 #: Every candidate of both factors, time first.

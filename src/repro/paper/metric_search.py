@@ -61,15 +61,11 @@ def band_number_motion(samples: int, c_f: float = 1e-4) -> RandomMotion:
 #: if omega is in rad/s and 628 if omega is in Hz.
 BANDWIDTHS = (2.5, 5.0, 10.0, 20.0, 100.0 / 3.0, 50.0, 100.0, 200.0, 200.0 * np.pi)
 
-#: Further lengths of the motion with 100 bands, samples.
-LENGTHS = (6000, 8192, 12_000, 16_384, 24_000, 32_768)
-
-#: Motions of the search.
+#: Motions of the search: those bandwidths, then further lengths in samples with 100 bands.
 MOTIONS = (
     *(RandomMotion(round(DURATION / SAMPLING_PERIOD), bandwidth) for bandwidth in BANDWIDTHS),
-    *(band_number_motion(samples) for samples in LENGTHS),
+    *(band_number_motion(samples) for samples in (6000, 8192, 12_000, 16_384, 24_000, 32_768)),
 )
-
 #: The numeric validation motion of the configuration.
 CHOSEN_MOTION = band_number_motion(12_000)
 
@@ -124,10 +120,7 @@ class Scores:
 
 
 def score_motions(published: Published, seed: int, repeats: int, motions: Sequence[RandomMotion] = MOTIONS) -> Scores:
-    """Score the published pairs of Tables 4 and 5 by every candidate on random motions.
-
-    1 - s is kept above `SMALLEST_SHORTFALL`; a similarity floored at 0 gives log(1 - s) = 0.
-    """
+    """Score the published pairs of Tables 4 and 5 by every candidate on random motions."""
     printed = np.stack([published.similarities(c.factor) for c in CANDIDATES])
     ours = np.zeros((len(motions), *printed.shape))
     mean_square = np.zeros((len(motions), repeats, *printed.shape[1:]))
@@ -142,15 +135,11 @@ def score_motions(published: Published, seed: int, repeats: int, motions: Sequen
 
 
 def rank_candidates(scores: Scores) -> pd.DataFrame:
-    """Rank the candidates of each factor by their rms log error against Table 7 at their best motion.
-
-    ``rank_low`` and ``rank_high`` are the smallest and the largest rank if one of the four arms is left out, with the
-    best motion of each candidate chosen again from the other six cells. ``abstract_mean_total`` is the mean total on
-    Eq. 10 of each candidate times the chosen candidate of the other factor.
-    """
-    rms, arms = scores.rms(), range(scores.log_error.shape[-2])
+    """Rank the candidates of each factor by their rms log error against Table 7 at their best motion."""
+    rms = scores.rms()
     best = [scores.motions[m] for m in rms.argmin(0)]
-    left_out = [_ranks(scores.rms(arm)) for arm in arms]
+    # One arm left out at a time, with the best motion of each candidate chosen again from the other six cells.
+    left_out = [_ranks(scores.rms(arm)) for arm in range(scores.log_error.shape[-2])]
     on_eq10 = score_candidates(identification_trajectory(DURATION, SAMPLING_PERIOD), scores.published)
     other = {"time": on_eq10[_place("frequency")], "frequency": on_eq10[_place("time")]}
     table = pd.DataFrame(
@@ -166,11 +155,11 @@ def rank_candidates(scores: Scores) -> pd.DataFrame:
             "rank_low": np.min(left_out, axis=0),
             "rank_high": np.max(left_out, axis=0),
             "chosen": [CHOSEN[c.factor] == c.name for c in CANDIDATES],
+            # On Eq. 10, with the chosen candidate of the other factor.
             "abstract_mean_total": [np.mean(s * other[c.factor]) for s, c in zip(on_eq10, CANDIDATES, strict=True)],
         }
     )
-    time_first = [False, True]
-    return table.sort_values(["factor", "rank"], ascending=time_first, kind="stable").reset_index(drop=True)
+    return table.sort_values(["factor", "rank"], ascending=[False, True], kind="stable", ignore_index=True)
 
 
 def _ranks(rms: Array) -> pd.Series:
@@ -186,21 +175,18 @@ def _place(factor: Factor, name: str | None = None) -> int:
 
 
 def compare_motions(scores: Scores) -> pd.DataFrame:
-    """Compare the motions with Table 7: mean-square torque, published bounds satisfied, rms log errors.
-
-    The bound of a cell is the largest mean-square torque for which its printed Time and Freq. can be a mean square and
-    a distance of unit spectra (`pair_bounds`). ``rms_log_error_pair`` covers the 16 cells of the two chosen formulas.
-    """
+    """Compare the motions with Table 7: mean-square torque, bounds of `pair_bounds` satisfied, rms log errors."""
     bounds = pair_bounds(scores.published).set_index("id")["largest_rms"] ** 2
     largest = np.array([[bounds[f"table07/{case}/joint{j}"] for j in (1, 2)] for case in NUMERIC_CASES])
     rms = scores.rms()
     time, frequency = rms[:, _place("time")], rms[:, _place("frequency")]
+    of_motions = {
+        name: [getattr(motion, name) for motion in scores.motions]
+        for name in ("samples", "duration", "bandwidth", "bands")
+    }
     return pd.DataFrame(
         {
-            "samples": [motion.samples for motion in scores.motions],
-            "duration": [motion.duration for motion in scores.motions],
-            "bandwidth": [motion.bandwidth for motion in scores.motions],
-            "bands": [motion.bands for motion in scores.motions],
+            **of_motions,
             "mean_square_low": scores.mean_square.min((-2, -1)),
             "mean_square_high": scores.mean_square.max((-2, -1)),
             "bounds_satisfied": (scores.mean_square <= largest).sum((-2, -1)),
@@ -221,7 +207,7 @@ def _cells(numbers: Published) -> pd.DataFrame:
     rows = []
     for total in numbers:
         if total.quantity == "total" and total.place in ("Table 7", "Table 10"):
-            row: dict[str, object] = {"id": total.id, **{name: getattr(total, name) for name in _CELL}}
+            row: dict[str, object] = {name: getattr(total, name) for name in ("id", *_CELL)}
             for factor in ("time", "frequency", "total"):
                 number = numbers[total.id.replace("/total/", f"/{factor}/")]
                 row |= {factor: number.value, f"{factor}_step": number.half_step}
@@ -230,12 +216,9 @@ def _cells(numbers: Published) -> pd.DataFrame:
 
 
 def composition(published: Published) -> pd.DataFrame:
-    """Check the published Totals of Tables 7 and 10 against the factors printed with them.
-
-    If the power 0.4 is part of the printed factors, Total = Time x Freq. If it is applied to their product, Total =
-    (Time x Freq.)^0.4. A Total agrees if the difference is within the rounding of all three printed numbers.
-    """
+    """Check the published Totals of Tables 7 and 10 against the factors printed with them, to rounding."""
     t = _cells(published)
+    # Total = Time x Freq. if the power 0.4 is part of the factors; otherwise it is (Time x Freq.)^0.4.
     product = t["time"] * t["frequency"] / 100.0
     power_last = 100.0 * (product / 100.0) ** EXPONENT
     # First order in the half steps: their product, 2.5e-7 %, is far below any difference found.
@@ -250,14 +233,10 @@ def composition(published: Published) -> pd.DataFrame:
 
 
 def abstract_check(published: Published, settings: MetricSettings = PUBLISHED_METRIC) -> pd.DataFrame:
-    """Score the pairs of Tables 4 and 5 on Eq. 10 with ``metr2ev``: ``case, joint, time, frequency, total``, of 1.
-
-    Table 6, which contained these eight totals, is lost. According to the abstract they exceed 97.38 %.
-    """
+    """Score the pairs of Tables 4 and 5 on Eq. 10; the abstract has 97.38 % as their least total, Table 6 is lost."""
     s = metr2ev(*_torques(identification_trajectory(h=SAMPLING_PERIOD), published), settings)
-    columns = {"time": s.time.ravel(), "frequency": s.frequency.ravel(), "total": s.total.ravel()}
-    n = len(NUMERIC_CASES)
-    return pd.DataFrame({"case": np.repeat(NUMERIC_CASES, 2), "joint": np.tile([1, 2], n), **columns})
+    columns = {name: getattr(s, name).ravel() for name in ("time", "frequency", "total")}
+    return pd.DataFrame({"case": np.repeat(NUMERIC_CASES, 2), "joint": np.tile([1, 2], len(NUMERIC_CASES)), **columns})
 
 
 def _error(percent: pd.Series) -> pd.Series:
@@ -292,25 +271,20 @@ def pair_bounds(published: Published) -> pd.DataFrame:
 def torque_bounds(published: Published) -> pd.DataFrame:
     """Compute the largest mean-square torque of each motion and joint of Table 10, in (N m)^2.
 
-    The bound of `pair_bounds` applies to the actual torque, which is the same for both methods, so the smaller bound
-    counts. `published_method` is the method whose pair gives it. The time error is assumed to be mean((x-y)^2) in N m.
+    The bound of `pair_bounds` applies to the actual torque, which is the same for both methods: the smaller one counts.
     """
-    bounds = pair_bounds(published)
-    bounds = bounds[bounds["place"] == "Table 10"]
+    bounds = pair_bounds(published).query("place == 'Table 10'")
     smallest = bounds.loc[bounds.groupby(["case", "joint"], sort=False)["largest_rms"].idxmin()]
-    table = smallest[["case", "joint"]].assign(
-        largest_mean_square=smallest["largest_rms"] ** 2, published_method=smallest["method"]
-    )
-    return table.reset_index(drop=True)
+    largest = {"largest_mean_square": smallest["largest_rms"] ** 2, "published_method": smallest["method"]}
+    return smallest[["case", "joint"]].assign(**largest).reset_index(drop=True)
 
 
 def least_squares_torque(published: Published) -> pd.DataFrame:
     """Estimate the mean-square torque of the identification run from the pairs of least squares, in (N m)^2.
 
-    The bound of `pair_bounds` is reached by a rebuilt torque with the best scale. Least squares minimises the squared
-    error on this run, but over both joints with common parameters, so that the scale of a single joint need not be the
-    best. `low` and `high` are the limits from the rounding of both printed numbers. An estimate is `possible` if it is
-    below the bound of Algorithm 1, whose torque is the same; otherwise it is an upper bound only.
+    The bound of `pair_bounds` is reached by a rebuilt torque with the best scale, which least squares need not give to
+    a single joint: it fits both with common parameters. `low` and `high` come from the rounding of the print. An
+    estimate that is not `possible`, being above the bound of Algorithm 1 for the same torque, is an upper bound only.
     """
     bound = pair_bounds(published).set_index("id")["largest_rms"] ** 2
     t = _cells(published).query("case == 'ID' and method == 'least-squares'")
@@ -319,5 +293,5 @@ def least_squares_torque(published: Published) -> pd.DataFrame:
         for s in (-1.0, 0.0, 1.0)
     )
     possible = low.to_numpy() <= bound[[f"table10/ID/algorithm1/joint{joint}" for joint in t["joint"]]].to_numpy()
-    table = pd.DataFrame({"joint": t["joint"], "mean_square": estimate, "low": low, "high": high, "possible": possible})
-    return table.reset_index(drop=True)
+    columns = {"joint": t["joint"], "mean_square": estimate, "low": low, "high": high, "possible": possible}
+    return pd.DataFrame(columns).reset_index(drop=True)
