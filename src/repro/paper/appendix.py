@@ -1,10 +1,7 @@
 """Appendix A: the arm that it describes, and the checks of its six numbers, inequalities and matrices.
 
-Table 9 is lost, but Appendix A prints six numbers computed from the identified arm. Together they fix four
-combinations of the nine parameters and leave a family with five free ones.
+Table 9 is lost, but Appendix A prints six numbers of the identified arm. They fix four combinations of its parameters:
 
-==================================== ============================================================
-printed numbers                      what they fix
 ==================================== ============================================================
 7.2e-3, and the roots of the next    lambda_Q^min, hence g2 once g1 is chosen
 1.3659e-7, 3.4422e-6, 1.8986e-6      rho epsilon lambda_Q^min and the other corner of R1, which is
@@ -49,14 +46,12 @@ class FreeChoices:
 
 def appendix_numbers(published: Published | None = None) -> dict[str, PublishedValue]:
     """Six numbers that Appendix A prints."""
-    numbers = load_published() if published is None else published
-    return {name: numbers[f"appendix/{name}"] for name in APPENDIX_NUMBERS}
+    return {name: (published or load_published())[f"appendix/{name}"] for name in APPENDIX_NUMBERS}
 
 
 def reproduced(beta: Array, published: Published | None = None) -> dict[str, bool]:
     """Which printed numbers a parameter set gives, each to its last printed digit."""
-    ours = stability_constants(beta)
-    printed = appendix_numbers(published)
+    ours, printed = stability_constants(beta), appendix_numbers(published)
     return {name: abs(getattr(ours, name) - p.value) <= p.half_step for name, p in printed.items()}
 
 
@@ -101,11 +96,7 @@ def appendix_arm(choices: FreeChoices | None = None, published: Published | None
 
 
 def determinant(c: Check) -> Finding:
-    """Compare the determinant of R1 from its eigenvalues with that from the sides of Eq. 18's condition.
-
-    With R2 = rho epsilon R1, both eigenvalues, the product of the diagonal and the square of the other corner of R1 are
-    printed: the numbers over-determine R1.
-    """
+    """Compare the determinant of R1, which the print over-determines: from its eigenvalues, and from Eq. 18's sides."""
     n, scale = c.numbers, c.rho * c.epsilon
     found, printed = c.r1_min * (c.r2_max / scale), c.dissipation - c.coupling
     rounding = n["r1_min"].half_step / c.r1_min + n["r2_max"].half_step / c.r2_max
@@ -125,12 +116,13 @@ def corner(c: Check) -> Finding:
 
 def arm(c: Check) -> Finding:
     """Look for a physical arm that gives the printed numbers; `appendix_arm` finds none that gives only some."""
-    of = len(APPENDIX_NUMBERS)
+    found, of = 0, len(APPENDIX_NUMBERS)
     try:
-        beta = appendix_arm(published=c.published)
+        beta = ", ".join(f"{x:.4g}" for x in appendix_arm(published=c.published))
+        found, outcome = of, f"beta = ({beta}) gives {of} of {of}"
     except ValueError as error:
-        return c.equals(0, of, 0.0, outcome=f"no physical arm: {error}")
-    return c.equals(of, of, 0.0, outcome=f"beta = ({', '.join(f'{x:.4g}' for x in beta)}) gives {of} of {of}")
+        outcome = f"no physical arm: {error}"
+    return c.equals(found, of, 0.0, outcome=outcome)
 
 
 def _crossing(ratio: Callable[[float], float], level: float, low: float, high: float) -> float:

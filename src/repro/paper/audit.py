@@ -7,6 +7,7 @@ texts, and findings about words alone, are in ``findings.csv`` (`repro.paper.fin
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -41,7 +42,7 @@ def _wrong_totals(c: Check) -> list[Finding]:
     cells, findings = composition(c.published), []
     for cell in cells[~cells["agrees"]].to_dict("records"):
         time, frequency, total = used = _cell(c, cell["id"])
-        texts = {"tolerance": cell["tolerance"], "time": time, "frequency": frequency, "total": total}
+        texts: dict[str, Any] = {"tolerance": cell["tolerance"], "time": time, "frequency": frequency, "total": total}
         findings.append(c.compares(cell["product"], total.value, False, uses=used, **texts))
     return findings
 
@@ -61,12 +62,12 @@ def _numeric_statements(c: Check) -> list[Finding]:
         totals = 100.0 * abstract_check(c.published, MetricSettings(time_formula=formula))["total"]
         for stated in (c.published["abstract/numeric/total"], c.published["section6/numeric/total"]):
             over, least = int((totals > stated.value).sum()), float(totals.min())
-            texts = {"stated": stated, "formula": formula, "factor": factor, "over": over, "mean": totals.mean()}
-            uses, satisfied = (stated, *pairs), over == len(totals)
-            tolerance = stated.half_step
             findings.append(
-                c.compares(least, stated.value, satisfied, tolerance=tolerance, uses=uses, of=len(totals), **texts)
-            )
+                c.compares(
+                    least, stated.value, over == len(totals), tolerance=stated.half_step, uses=(stated, *pairs),
+                    stated=stated, formula=formula, factor=factor, over=over, of=len(totals), mean=totals.mean(),
+                )
+            )  # fmt: skip
     return findings
 
 
@@ -74,7 +75,11 @@ def _abstract_total(c: Check) -> Finding:
     identification, validation = _totals(c, "algorithm1", "ID"), _totals(c, "algorithm1", *VALIDATION)
     both, below = (*identification, *validation), sum(v.value < c.abstract for v in validation)
     least, smallest = min(identification, key=lambda v: v.value), min(v.value for v in both)
-    texts = {"least": least, "least_validation": f"{min(v.value for v in validation):.2f}", "below": below}
+    texts: dict[str, Any] = {
+        "least": least,
+        "least_validation": f"{min(v.value for v in validation):.2f}",
+        "below": below,
+    }
     tolerance, satisfied = c.numbers["abstract"].half_step, below == 0 and least.value >= c.abstract
     return c.compares(smallest, c.abstract, satisfied, tolerance=tolerance, uses=both, of=len(validation), **texts)
 
@@ -112,8 +117,8 @@ def _coulomb_friction(c: Check) -> Finding:
     t1, t4, joint2 = (math.sqrt(bounds[cell]) for cell in (("T1", 1), ("T4", 1), ("T1", 2)))
     least, friction = min(t1, t4), 2.0 * math.sqrt(c.coupling) / c.epsilon
     verdict = CONTRADICTS if least < 0.5 * friction else QUESTIONABLE
-    texts = {"t1": t1, "t4": t4, "joint2": joint2, "friction": friction, "k1": appendix.FreeChoices().k1}
-    return c.compares(least, 0.5 * friction, least >= friction, verdict=verdict, **texts)
+    texts: dict[str, Any] = {"t1": t1, "t4": t4, "joint2": joint2, "k1": appendix.FreeChoices().k1}
+    return c.compares(least, 0.5 * friction, least >= friction, verdict=verdict, friction=friction, **texts)
 
 
 def _definite(c: Check) -> list[Finding]:

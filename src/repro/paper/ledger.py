@@ -74,11 +74,7 @@ def our_values(published: Published, config: Mapping[str, Any], results: Results
 
 
 def refuted_number(finding: Finding) -> str:
-    """Id of the one published number that a finding proves wrong; empty if it proves none wrong.
-
-    A contradiction that does not single out one number marks none of them. Of a Total and its two factors, the Total
-    is taken for the wrong one.
-    """
+    """Id of the one published number that a finding proves wrong, or empty; of a Total and its factors, the Total."""
     if finding.id in _REFUTED:
         return _REFUTED[finding.id]
     name = finding.id.removeprefix("composition/")
@@ -109,8 +105,7 @@ def _digest(path: Path) -> str:
 def write_sources(path: Path, files: Iterable[Path], folders: Iterable[Path], root: Path = Path()) -> None:
     """Write the check sums of files, of every file in folders, and of the published numbers.
 
-    The first line is the check sum of all others, and the next ones name the folders. ``sha256sum --check`` reads both
-    as comments.
+    For ``sha256sum --check`` the first lines are comments: the check sum of all others, then the folders.
     """
     whole = sorted(folder.as_posix() for folder in folders)
     lines = [f"{_WHOLE}{folder}\n" for folder in whole]
@@ -157,15 +152,11 @@ def read_sources(path: Path) -> tuple[list[str], dict[str, str]]:
 
 
 def changed_sources(path: Path, root: Path = Path(), stored: Iterable[Path] = ()) -> list[str]:
-    """List the files that are missing or changed, and files in the list's folders that it does not contain.
-
-    Nothing is read but the results, ``data``, ``docs`` and the `stored` folders of the configuration.
-    """
+    """List files that are missing or changed, and those in the list's folders that it does not contain."""
     folders, listed = read_sources(path)
     # Where the ledger was when the list was written: a copy of the results is checked itself, not its original.
     own = next((Path(name).parent for name in listed if Path(name).name == CLAIMS), None)
-
-    readable = [Path("data"), Path("docs"), *stored, *([] if own is None else [own])]
+    readable = [Path("data"), Path("docs"), *stored, *filter(None, [own])]
     for name in {*folders, *listed} - {PUBLISHED_NAME}:
         if not any(Path(name).is_relative_to(folder) for folder in readable):
             raise InputError.at(str(path), repr(name)[:80], f"names in {', '.join(map(str, readable))}")
@@ -183,8 +174,8 @@ def changed_sources(path: Path, root: Path = Path(), stored: Iterable[Path] = ()
         try:
             found = _digest(file)
         except OSError as error:
-            reason = error.strerror or "an unreadable file"
-            problems.append(f"{shown}: found {reason}, expected the file that {path} lists")
+            found = error.strerror or "an unreadable file"
+            problems.append(f"{shown}: found {found}, expected the file that {path} lists")
             continue
         if name not in listed:
             problems.append(f"{shown}: found a file, expected only those that {path} lists")
@@ -207,11 +198,7 @@ def write_ledger(
     *,
     folders: Sequence[Path] = (),
 ) -> None:
-    """Compute the ledger and write it: table, page and check sums.
-
-    The list contains the files, every file in the folders and in those of stored recordings and networks, and the
-    ledger itself.
-    """
+    """Compute the ledger and write it: table, page and check sums of its sources, the stored ones among them."""
     numbers = load_published(PUBLISHED_FILE)
     text = csv_text(compute(numbers, config, Results(results)))
     write_text(results / CLAIMS, text)

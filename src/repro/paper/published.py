@@ -2,15 +2,14 @@
 
 Nothing that computes our results may import this module: it serves comparisons, captions and audits only.
 
-A row of the file is one printed number: every number that is a claim, a constant or a result, once for each section,
-table, equation or figure that states it. Section V-C compares parameters of Table 9 in words; these comparisons are
-ratios above or below 1. Left out are the coefficients of a formula (Eq. 1, 3, 5, 15, 17-22), the numbers of sections,
-equations, layers and references, and the degrees of freedom of the robots of other works, which Table 1 lists; so is
-Table 8's PWM frequency of joint 2, unreadable in the text we have.
+A row is one printed number: every claim, constant or result, once for each section, table, equation or figure that
+states it. Comparisons of Section V-C in words are ratios above or below 1. Left out are the coefficients of a formula
+(Eq. 1, 3, 5, 15, 17-22), the numbers of sections, equations, layers and references, the robots of other works in Table
+1, and Table 8's PWM frequency of joint 2, unreadable in the text we have.
 
-Percentages stay in percent (unit ``%``), every number keeps the unit printed with it, and trailing zeros stay,
-because the number of digits shows how finely a value is known: ``500e3`` stands for "500 thousand". Fields that do not
-apply are empty. The columns ``ours`` and ``note`` declare where our value comes from (`repro.paper.our_values`).
+Percentages stay in percent, every number keeps its unit and its trailing zeros, which show how finely it is known:
+``500e3`` is "500 thousand". Fields that do not apply are empty. The columns ``ours`` and ``note`` declare where our
+value comes from (`repro.paper.our_values`).
 """
 
 import ast
@@ -148,17 +147,13 @@ _OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
 }
 
 
-def _count(entries: Mapping[str, object], attribute: str) -> int:
-    return sum(getattr(entry, attribute) for entry in entries.values())
-
-
 def _self_similarity() -> float:
     signal = np.sin(np.arange(1.0, 100.0))
     return float(metr2ev(signal, signal).total)
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "count": _count,
+    "count": lambda entries, attribute: sum(getattr(entry, attribute) for entry in entries.values()),
     "exp": math.exp,
     "len": len,
     "log": math.log,
