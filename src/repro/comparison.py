@@ -187,11 +187,10 @@ class Compared:
 
 def compare_runs(a: Path, b: Path, tolerances: Tolerances) -> tuple[list[Compared], list[str]]:
     """Compare every table and recording that both folders have."""
-    files = [_files(folder) for folder in (a, b)]
-    both = sorted(files[0] & files[1])
-    if not both:
+    first, second = _files(a), _files(b)
+    if not first & second:
         raise InputError.at(f"{a} and {b}", "no table in common", "two results folders")
-    return [_compare(a, b, name, tolerances) for name in both], sorted(files[0] ^ files[1])
+    return [_compare(a, b, name, tolerances) for name in sorted(first & second)], sorted(first ^ second)
 
 
 def _files(folder: Path) -> set[str]:

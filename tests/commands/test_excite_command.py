@@ -40,9 +40,7 @@ def test_what_is_written_is_the_motion_that_is_reported(tmp_path, capsys):
     out = tmp_path / "out"
     assert {path.name for path in out.iterdir()} == {"excite.json", "motion.csv", "motion.pdf", "motion.png"}
     table, content = pd.read_csv(out / "motion.csv"), json.loads((out / "excite.json").read_text())
-    assert list(table) == [
-        *("time_s", "q1_rad", "q2_rad", "dq1_rad/s", "dq2_rad/s", "ddq1_rad/s^2", "ddq2_rad/s^2"),
-    ]
+    assert list(table) == [*("time_s", "q1_rad", "q2_rad", "dq1_rad/s", "dq2_rad/s", "ddq1_rad/s^2", "ddq2_rad/s^2")]
     assert len(table) == 8 * 400 + 1
     q, dq, ddq = (table.iloc[:, k : k + 2].to_numpy().T for k in (1, 3, 5))
     np.testing.assert_allclose(table["time_s"], np.arange(len(table)) / 400, atol=1e-9)

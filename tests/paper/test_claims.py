@@ -16,7 +16,6 @@ from repro.paper.audit import findings
 from repro.paper.claims import (
     CAUSES,
     Basis,
-    Margin,
     OurValue,
     broken,
     higher,
@@ -42,7 +41,7 @@ def ours(value, spread=0.0, seeds=1, basis=Basis.NUMERIC, **more):
 
 #: Five seeds: another run lies within 2.776 x sqrt(1.2) = 3.0414 standard deviations.
 FIVE = 3.0414
-HALF, SHARE = Margin(0.5, 1.0), Margin(0.05 * 0.4, 0.25 * 0.4)
+HALF, SHARE = {"equivalent": 0.5, "cap": 1.0}, {"equivalent": 0.05 * 0.4, "cap": 0.25 * 0.4}
 
 
 PUBLISHED, SETTINGS = load_published(), load_config(CONFIG)
@@ -76,23 +75,23 @@ def claims(stored):
         (printed(), ours(97.1 + 0.62, 0.2, 5, better=higher), "better"),
         (printed(), ours(97.1 - 0.61, 0.2, 1), "differs"),  # one seed has no interval
         # The equivalence margin: 0.5 + 0.005, whatever the scatter below it.
-        (printed(), ours(97.6, margin=HALF), "reproduced"),
-        (printed(), ours(97.61, margin=HALF, better=higher), "better"),
-        (printed(), ours(96.59, 0.1, 5, margin=HALF), "differs"),
+        (printed(), ours(97.6, **HALF), "reproduced"),
+        (printed(), ours(97.61, **HALF, better=higher), "better"),
+        (printed(), ours(96.59, 0.1, 5, **HALF), "differs"),
         # The cap: 3.0414 x 0.33 is more than one point.
-        (printed(), ours(97.1, 0.32, 5, margin=HALF), "reproduced"),
-        (printed(), ours(97.1, 0.33, 5, margin=HALF), "inconclusive"),
-        (printed(), ours(99.0, 0.33, 5, margin=HALF, better=higher), "inconclusive"),
-        (printed(), ours(95.0, 0.33, 5, margin=HALF, better=higher), "differs"),
+        (printed(), ours(97.1, 0.32, 5, **HALF), "reproduced"),
+        (printed(), ours(97.1, 0.33, 5, **HALF), "inconclusive"),
+        (printed(), ours(99.0, 0.33, 5, **HALF, better=higher), "inconclusive"),
+        (printed(), ours(95.0, 0.33, 5, **HALF, better=higher), "differs"),
         # The same as shares of the value: an interval of 0.25 x 0.4.
-        (printed("0.4000"), ours(0.45, 0.0328, 5, margin=SHARE), "reproduced"),
-        (printed("0.4000"), ours(0.45, 0.0330, 5, margin=SHARE), "inconclusive"),
+        (printed("0.4000"), ours(0.45, 0.0328, 5, **SHARE), "reproduced"),
+        (printed("0.4000"), ours(0.45, 0.0330, 5, **SHARE), "inconclusive"),
         # Another arm is never better, and nothing but results has to be told from other cases.
         (printed(), ours(99.0, basis=Basis.ARM, better=higher), "not comparable"),
         (printed(), ours(95.0, basis=Basis.ARM, better=higher), "differs"),
         (printed(), ours(97.1001, strict=True), "differs"),
         (printed(relation="above"), ours(99.0, better=higher), "reproduced"),
-        (printed(relation="above"), ours(99.0, 2.0, 5, margin=HALF), "inconclusive"),
+        (printed(relation="above"), ours(99.0, 2.0, 5, **HALF), "inconclusive"),
         (printed(relation="above"), ours(97.0, better=higher), "differs"),
         (printed(relation="below"), ours(95.0), "reproduced"),
         (printed(relation="below"), ours(98.0), "differs"),
@@ -127,13 +126,13 @@ def test_each_verdict_at_its_edge(number, side, verdict):
     ],
 )
 def test_a_match_that_another_case_would_pass_too_is_no_evidence(basis, others, verdict):
-    assert judge(printed(), ours(97.0, basis=basis, margin=HALF), others)["verdict"] == verdict
+    assert judge(printed(), ours(97.0, basis=basis, **HALF), others)["verdict"] == verdict
 
 
 def test_the_ledger_takes_the_other_cases_from_the_published_numbers():
     cases = {"N1": "97.10", "N2": "97.50", "N4": "99.10"}
     numbers = [printed(value, id_=f"table07/{case}/total/joint1", case=case) for case, value in cases.items()]
-    sides = {number.id: ours(float(number.printed) + 0.1, margin=HALF) for number in numbers}
+    sides = {number.id: ours(float(number.printed) + 0.1, **HALF) for number in numbers}
     rows = judge_all(numbers, sides)
     assert rows["verdict"].tolist() == ["inconclusive", "inconclusive", "reproduced"]
     assert specificity(rows, numbers).to_dict("records") == [
@@ -143,7 +142,7 @@ def test_the_ledger_takes_the_other_cases_from_the_published_numbers():
         verdict="reproduced"
     )  # a ledger that calls everything reproduced: N1 and N2 pass for each other
     assert specificity(wrong, numbers).to_dict("records")[0] == {
-        "basis": "numeric", "what": "similarities", "rows": 3, "pairs": 6, "refused": 4,
+        "basis": "numeric", "what": "similarities", "rows": 3, "pairs": 6, "refused": 4
     }  # fmt: skip
 
 
@@ -202,11 +201,7 @@ def test_another_setting_breaks_its_claim(stored):
 @pytest.mark.slow
 def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims):
     noted = {refuted_number(f) for f in findings(PUBLISHED)} - {""}
-    totals = {
-        "table07/N1/total/joint2",
-        "table10/T2/algorithm1/total/joint2",
-        "table10/T2/least-squares/total/joint2",
-    }
+    totals = {"table07/N1/total/joint2", "table10/T2/algorithm1/total/joint2", "table10/T2/least-squares/total/joint2"}
     assert noted == totals | {"section1a/random-trajectories", "section4a/band-high", "appendix/domain"}
     assert (claims.loc[sorted(noted), "asserted"] == "").all()
     # What ours differs by is all that the paper contradicts itself by; a difference of many points stays one.

@@ -54,8 +54,8 @@ def test_each_source_has_its_value_and_note(ours, note, value, shown):
     "ours",
     [
         "config:arm.nothing", "config:arm.lengths[9]", "const:no.module:X", "const:fpga.frames:__name__",
-        "const:fpga.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +",
-    ],
+        "const:fpga.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +"
+    ]
 )  # fmt: skip
 def test_what_is_no_arithmetic_on_known_names_is_refused(ours):
     with pytest.raises(ValueError, match="section3/joints: ours"):

@@ -97,12 +97,6 @@ def _discussion_total(c: Check) -> Finding:
     return c.equals(sum(v.value > c.discussion for v in validation), len(validation), 0.0, validation)
 
 
-def _threshold(c: Check) -> Finding:
-    totals = _totals(c, "algorithm1", "ID")
-    mean, text = float(np.mean([v.value for v in totals])), " + ".join(v.printed for v in totals)
-    return c.compares(mean, c.threshold, mean > c.threshold, uses=totals, sum=text)
-
-
 def _against_least_squares(c: Check) -> Finding:
     cases = VALIDATION if c.id.endswith("validation") else ("ID",)
     sides = [_totals(c, method, *cases) for method in ("algorithm1", "least-squares")]
@@ -223,7 +217,6 @@ CHECKS: dict[str, Callable[[Check], Finding | list[Finding]]] = {
     "abstract/experimental/total": _abstract_total,
     "section7/experimental/total": _conclusion_total,
     "section6/experimental/total": _discussion_total,
-    "section6/experimental/threshold": _threshold,
     "least-squares/identification": _against_least_squares,
     "least-squares/validation": _against_least_squares,
     "table10/coulomb-friction": _coulomb_friction,

@@ -2,7 +2,7 @@
 
 A number that depends on chance is compared with a prediction interval: for n seeds with standard deviation s, another
 run lies within t s sqrt(1 + 1/n) of ours in 95 % of cases (Student's t, n - 1 degrees of freedom). The interval is a
-comparison only if it is narrow: wider than the cap of its `Margin`, or so wide that the published value of another
+comparison only if it is narrow: wider than its cap, or so wide that the published value of another
 case would pass as well, the verdict is *inconclusive*. Within the equivalence margin two numbers count as the same.
 """
 
@@ -63,14 +63,6 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Margin:
-    """A difference that does not matter, and the widest interval that still compares, in the published unit."""
-
-    equivalent: float = 0.0
-    cap: float = math.inf
-
-
-@dataclass(frozen=True)
 class OurValue:
     """Our side of one published number."""
 
@@ -79,7 +71,8 @@ class OurValue:
     basis: Basis | None = None  # None: by the published kind
     std: float = 0.0  # standard deviation over the seeds, in the published unit
     seeds: int = 1
-    margin: Margin = Margin()
+    equivalent: float = 0.0  # difference that does not matter, in the published unit
+    cap: float = math.inf  # widest interval that still compares
     better: Callable[[float, float], bool] | None = None  # of the published and our number, where one can be better
     strict: bool = False  # no tolerance: a setting can be adopted as printed, a limit can be met
     unused: bool = False  # a setting that the default run does not use
@@ -106,7 +99,7 @@ def _tolerance(printed: PublishedValue, ours: OurValue) -> tuple[float, str]:
     """Tolerance of a difference, and where it comes from."""
     if ours.strict:
         return 0.0, "none: compared as it stands"
-    interval, margin = printed.half_step + _scatter(ours), printed.half_step + ours.margin.equivalent
+    interval, margin = printed.half_step + _scatter(ours), printed.half_step + ours.equivalent
     if ours.bounds:
         return interval, "bounds of ours"
     if margin > interval:
@@ -121,7 +114,7 @@ def _verdict(printed: PublishedValue, ours: OurValue, basis: Basis, tolerance: f
     if ours.contradicts and abs(difference) <= ours.contradiction * (1.0 + _ROUNDING):
         return CONTRADICTS
     slack = tolerance + _ROUNDING * abs(printed.value)
-    wide = ours.bounds > 0.0 or (not ours.strict and _scatter(ours) > ours.margin.cap)
+    wide = ours.bounds > 0.0 or (not ours.strict and _scatter(ours) > ours.cap)
     stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
     if abs(difference) <= slack or stated:
         blind = any(min(abs(other - printed.value), abs(other - ours.value)) <= slack for other in others)
@@ -219,11 +212,8 @@ def _table(frame: pd.DataFrame) -> str:
 
 
 def _table_of_claims(claims: pd.DataFrame) -> str:
-    shown = claims.assign(
-        published=[_published(row) for row in claims.to_dict("records")],
-        ours=claims["ours"].map(_number),
-        tolerance=claims["tolerance"].map(_number),
-    )
+    numbers = {name: claims[name].map(_number) for name in ("ours", "tolerance")}
+    shown = claims.assign(published=[_published(row) for row in claims.to_dict("records")], **numbers)
     return _table(shown[_COLUMNS].rename(columns={"target": "made by"}))
 
 
@@ -250,11 +240,9 @@ def summary(claims: pd.DataFrame) -> list[str]:
         lines.append(f"{name!s:<{width}}  {column.sum():4d}  {listed}")
     asserted, satisfied = _asserted(claims)
     lines.append(f"{satisfied} of {asserted} asserted claims are as asserted")
-    lines += [
-        f"not as asserted: {row['id']}: {row['verdict']} instead of {row['asserted']}, "
-        f"published {_published(row)}, ours {_number(row['ours'])}"
-        for row in broken(claims).to_dict("records")
-    ]
+    for row in broken(claims).to_dict("records"):
+        numbers = f"published {_published(row)}, ours {_number(row['ours'])}"
+        lines.append(f"not as asserted: {row['id']}: {row['verdict']} instead of {row['asserted']}, {numbers}")
     return lines
 
 

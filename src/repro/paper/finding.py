@@ -1,12 +1,12 @@
 """Findings of the audit. ``findings.csv`` has their texts, in the order of the table; `Check` computes a row of it.
 
-The columns ``found``, ``relation`` and ``printed`` contain a calculation as expressions on the row's published numbers,
-which the column ``numbers`` names (``name=id``). ``=`` compares to the last digit of the published number with the id
-of the row, ``==`` exactly. Other calculations are functions of `repro.paper.audit`.
+The columns ``found``, ``relation`` and ``printed`` are a calculation on the row's published numbers, which the column
+``numbers`` names (``name=id``). ``=`` compares to the last digit of the published number with the id of the row, ``==``
+exactly. Other calculations are functions of `repro.paper.audit`.
 
-Texts are templates. Their fields are the row's numbers, ``found``, ``printed``, names that a function passes, or
-expressions. The column ``verdict`` is the verdict of a check that fails, or of a row without a calculation. If the
-place is empty, the published number with the id of the row gives place and unit.
+Texts are templates of the row's numbers, ``found``, ``printed``, names that a function passes, and expressions. The
+column ``verdict`` is that of a check that fails, or of a row without a calculation. If the place is empty, the
+published number with the id of the row gives place and unit.
 """
 
 import math

@@ -62,7 +62,9 @@ def our_values(published: Published, config: Mapping[str, Any], results: Results
         value = values[""]
         finding = refuted.get(number.id)
         if finding is not None:
-            value = replace(value, contradicts=_sentence(finding), contradiction=_size(finding))
+            size = abs(finding.found - finding.printed)
+            size = math.inf if math.isnan(size) else size  # words contradict each other
+            value = replace(value, contradicts=_sentence(finding), contradiction=size)
         elif number.id in impossible:
             value = replace(value, note=f"{value.note}; not possible: {impossible[number.id]}")
         if number.kind in ASSERTED_KINDS and not (math.isnan(value.value) or finding or value.unused):
@@ -83,12 +85,6 @@ def refuted_number(finding: Finding) -> str:
 
 def _sentence(finding: Finding) -> str:
     return f"{finding.arithmetic}. {finding.note}".removesuffix(". ").rstrip(".")
-
-
-def _size(finding: Finding) -> float:
-    """By how much the paper contradicts itself; infinite where words do."""
-    size = abs(finding.found - finding.printed)
-    return size if math.isfinite(size) else math.inf
 
 
 def compute(published: Published, config: Mapping[str, Any], results: Results) -> pd.DataFrame:

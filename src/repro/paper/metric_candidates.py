@@ -1,15 +1,12 @@
 """Candidate error formulas for the two factors of ``metr2ev``, whose listing (Algorithm 2) is lost.
 
-The text describes the listing in part (Section IV-C). One line computes the similarity in time, the next subtracts it
-from one. Three lines compute and normalise the spectra, two lines compute the similarity in frequency. The product is
-"adjusted with a power of 0.4". Each factor is therefore (1 - error)^0.4 with an unknown error.
+According to Section IV-C the product of both factors is "adjusted with a power of 0.4": each factor is
+(1 - error)^0.4 with an unknown error.
 
 A frequency candidate is spectrum kind x normalisation x distance, for example ``signed | 2-norm | 2-norm`` for
 ||X/||X|| - Y/||Y|| ||. The DCT-II of Eq. 5 is orthonormal and preserves inner products (Parseval), so this error is
 sqrt(2 - 2 cos(x, y)) of the signals and equals the time candidate ``unit vectors``. The errors of absolute, power and
-logarithmic spectra are no functions of the cosine.
-
-Many formulas share norms and differences. A `Pair` computes each of them once.
+logarithmic spectra are no functions of the cosine. Formulas share norms and differences, which a `Pair` computes once.
 """
 
 from collections.abc import Callable, Iterator
@@ -52,7 +49,7 @@ class Pair:
         self.x, self.y = Signal(x), Signal(y)
         self.range = np.asarray(self.x.high - self.x.low)
         #: Largest magnitude of both joints, the normalisation of torque in Eq. 8.
-        self.common_peak = np.max(self.x.peak, -1, keepdims=True)
+        self.arm_peak = np.max(self.x.peak, -1, keepdims=True)
         self._of_kind: dict[str, Pair] = {}
         self._normalised: dict[str, Signal] = {}
 
@@ -113,13 +110,9 @@ _TIME: tuple[tuple[str, str, Measure], ...] = (
     ("mean square by peak", "mean((x - y)^2) / max|x|^2", lambda p: p.error.mean_square / p.x.peak**2),
     ("rms by peak", "rms(x - y) / max|x|", lambda p: p.error.rms / p.x.peak),
     ("mean absolute by peak", "mean|x - y| / max|x|", lambda p: p.error.mean_absolute / p.x.peak),
-    (
-        "mean square by common peak",
-        "mean((x - y)^2) / peak(x1, x2)^2",
-        lambda p: p.error.mean_square / p.common_peak**2,
-    ),
-    ("rms by common peak", "rms(x - y) / peak(x1, x2)", lambda p: p.error.rms / p.common_peak),
-    ("mean absolute by common peak", "mean|x - y| / peak(x1, x2)", lambda p: p.error.mean_absolute / p.common_peak),
+    ("mean square by common peak", "mean((x - y)^2) / peak(x1, x2)^2", lambda p: p.error.mean_square / p.arm_peak**2),
+    ("rms by common peak", "rms(x - y) / peak(x1, x2)", lambda p: p.error.rms / p.arm_peak),
+    ("mean absolute by common peak", "mean|x - y| / peak(x1, x2)", lambda p: p.error.mean_absolute / p.arm_peak),
     ("mean square by range", "mean((x - y)^2) / range(x)^2", lambda p: p.error.mean_square / p.range**2),
     ("rms by range", "rms(x - y) / range(x)", lambda p: p.error.rms / p.range),
     ("mean absolute by range", "mean|x - y| / range(x)", lambda p: p.error.mean_absolute / p.range),

@@ -1,14 +1,12 @@
 """Search for the formulas of Algorithm 2 and for the random motion of Table 7; checks of the published similarities.
 
-Tables 4 and 5 print four true parameter sets with their published estimates. Table 7 prints the similarity of the
-torques of each pair on a random trajectory (Section V-B), in time and in frequency. Each candidate formula scores the
-same pairs on random motions. Its figure of merit is the rms, over the eight cells (four arms, two joints), of
-log(1 - s) - log(1 - s_published), with log(1 - s) averaged over the repeated motions. The logarithm compares
-shortfalls from 100 % as ratios: 0.7 is a factor of two.
+Tables 4 and 5 print four true parameter sets with their estimates, Table 7 the similarity of the torques of each pair
+on a random trajectory (Section V-B). Each candidate formula scores the same pairs on random motions. Its figure of
+merit is the rms, over the eight cells (four arms, two joints), of log(1 - s) - log(1 - s_published), with log(1 - s)
+averaged over the repeated motions. The logarithm compares shortfalls from 100 % as ratios: 0.7 is a factor of two.
 
 The paper prints the filter of its random trajectory (Eq. 14), but neither the unit of its omega nor the length of the
-trajectory. The search therefore covers nine bandwidths at the length of Eq. 10, and the first 100 bands at six further
-lengths; see `MOTIONS`. Checks that need no random motion follow the search.
+trajectory: the search covers the `MOTIONS`. Checks that need no random motion follow the search.
 """
 
 from collections.abc import Sequence
@@ -106,8 +104,7 @@ class Scores:
     """Scores of the published pairs by every candidate on every motion."""
 
     motions: tuple[RandomMotion, ...]
-    # log(1 - s) - log(1 - s_published) in the cells of Table 7, shape (motions, candidates, arms, 2), with log(1 - s)
-    # averaged over the repeats
+    # log(1 - s), averaged over the repeats, minus log(1 - s_published) in Table 7: (motions, candidates, arms, 2)
     log_error: Array
     mean_square: Array  # median over the repeats of the mean-square actual torque, (N m)^2, shape (motions, arms, 2)
     published: Published

@@ -31,18 +31,15 @@ from repro.files import read_rows
 from repro.fpga import frames
 from repro.model import dynamics, parameters, stability
 from repro.model.parameters import NAMES
-from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, SETTING, Basis, Margin, OurValue, higher, lower
+from repro.paper.claims import DIFFERS, EXTENSION, REPRODUCED, SETTING, Basis, OurValue, higher, lower
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, evaluate
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.signals import programs, trajectories, validation_motions
 
+_MODULES = (architecture, image, priors, frames, dynamics, stability, programs, trajectories, validation_motions)
 #: Modules by their names in the column; what two modules share is looked up where it is defined.
 MODULES: dict[str, ModuleType] = {
-    **{
-        module.__name__.removeprefix("repro."): module
-        for module in (architecture, image, priors, frames, dynamics, stability, programs, trajectories)
-    },
-    "signals.validation_motions": validation_motions,
+    **{module.__name__.removeprefix("repro."): module for module in _MODULES},
     "cnn.network": architecture,
     "identification.algorithm1": parameters,
 }
@@ -76,8 +73,6 @@ _SEEDS = {
     "table07": ("validation/numeric.csv", {"trajectory": "validation"}),
     "table10": ("validation/experiment.csv", {}),
 }
-#: An interval wider than one point of per cent either way compares nothing.
-SIMILARITY_MARGIN = Margin(100.0 * EQUIVALENT, 1.0)
 
 
 class Results:
@@ -130,7 +125,8 @@ class Results:
 
 
 def _similarity_of(value: float, table: str, scores: pd.Series) -> OurValue:
-    ours = OurValue(value, table, margin=SIMILARITY_MARGIN, better=higher)
+    # An interval wider than one point of per cent either way compares nothing.
+    ours = OurValue(value, table, equivalent=100.0 * EQUIVALENT, cap=1.0, better=higher)
     return replace(ours, std=float(scores.std()), seeds=len(scores)) if len(scores) > 1 else ours
 
 
@@ -200,15 +196,14 @@ def _parameter(number: PublishedValue, results: Results, _: Mapping[str, Any]) -
     file, row = f"tables/{table}.csv", {**run, "parameter": number.parameter}
     true, estimate, sd = (results.number(file, column, **row) for column in ("true", "estimate", "estimate_sd"))
     seeds = results.totals(table, **run).index.nunique()
-    # A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
-    margin = Margin(0.05 * abs(number.value), 0.25 * abs(number.value))
 
     def nearer(published: float, ours: float) -> bool:
         return abs(ours - true) < abs(published - true)
 
-    note = f"true value {true:g}"
-    ours = OurValue(estimate, table, Basis.NUMERIC, sd, seeds, margin, nearer, cause="another network", note=note)
-    return {"": ours}
+    ours = OurValue(estimate, table, Basis.NUMERIC, sd, seeds, cause="another network", note=f"true value {true:g}")
+    # A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
+    equivalent, cap = 0.05 * abs(number.value), 0.25 * abs(number.value)
+    return {"": replace(ours, equivalent=equivalent, cap=cap, better=nearer)}
 
 
 def _tracking(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
