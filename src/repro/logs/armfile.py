@@ -1,5 +1,6 @@
 """The arm file: conventions and limits of an arm that the header of a recording does not state."""
 
+import csv
 import re
 from collections.abc import Mapping
 from functools import wraps
@@ -19,14 +20,12 @@ from repro.model.parameters import STANDARD_GRAVITY
 
 Signal = Literal["time", "q1", "q2", "dq1", "dq2", "tau1", "tau2"]
 Kind = Literal["time", "position", "velocity", "torque"]
-#: One value for each joint.
-Pair = tuple[float, float]
 
 #: Largest number of an arm and smallest limit; their squares must not overflow.
 _LARGEST, _SMALLEST = 1e9, 1e-6
 
 
-def _apart(pair: Pair) -> Pair:
+def _apart(pair: tuple[float, float]) -> tuple[float, float]:
     if pair[1] - pair[0] < _SMALLEST:
         least = f"ends {_SMALLEST:g} and more apart" if pair[0] < pair[1] else "the lower one first"
         raise PydanticCustomError("range", least)
@@ -53,6 +52,7 @@ def _not_zero(value: float) -> float:
 
 
 _Both = Field(strict=False)  # a list, too
+_Text = Annotated[str, Field(min_length=1)]
 _Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
 _Positive = Annotated[float, Field(ge=_SMALLEST, le=_LARGEST)]
 _Sign = Annotated[_Number, AfterValidator(_sign)]
@@ -82,9 +82,14 @@ def _columns(headers: dict[Signal, str]) -> dict[Signal, str]:
     return headers
 
 
-def _key(default: object, expected: str, note: str = "", absent: str = "none") -> Any:  # noqa: ANN401
-    """Describe a key: what it should be, what it means, and what happens without it."""
-    return Field(default, description=note, json_schema_extra={"expected": expected, "absent": absent})
+with Path(__file__).with_name("arm_keys.csv").open(encoding="utf-8") as _file:
+    _KEYS = {row["key"]: row for row in csv.DictReader(_file)}
+
+
+def _key(name: str, default: object = None, **factory: Any) -> Any:  # noqa: ANN401
+    """Describe a key by its row in ``arm_keys.csv``: what it should be and means, and what happens without it."""
+    given = factory or {"default": default}
+    return Field(**given, description=_KEYS[name]["meaning"], json_schema_extra=_KEYS[name])
 
 
 def _one_line(cls: type[Any]) -> type[Any]:
@@ -124,97 +129,27 @@ class Arm:
     ((1.0, 1.0), 9.80665)
     """
 
-    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+\Z")] = _key(
-        "arm", "text on one line", "shown in the report and the exports"
-    )
-    columns: Annotated[dict[Signal, Annotated[str, Field(min_length=1)]], AfterValidator(_columns)] = Field(
-        default_factory=dict,
-        description="signals are `time`, `q1`, `q2`, `dq1`, `dq2`, `tau1`, `tau2`",
-        json_schema_extra={
-            "expected": "headers of the log by signal, such as 'q1: shoulder angle'",
-            "absent": "found by name",
-        },
-    )
-    topic: Annotated[str, Field(min_length=1)] | None = _key(
-        None, "the name of a topic, as text", "of a bag, with the joint states", "the only one"
-    )
-    units: Units = Field(
-        default_factory=Units,
-        description="of all columns of a kind (`time`, `position`, `velocity`, `torque`), whatever the header states",
-        json_schema_extra={
-            "expected": "units by kind of signal, such as 'position: deg'",
-            "absent": "from the header, else SI",
-        },
-    )
-    counts_per_turn: _TwoPositive | None = _key(
-        None,
-        "two numbers above 0, the counts in a turn of joint 1 and of joint 2",
-        "a turn of the **joint**: counts per motor turn times the gear ratio",
-    )
-    torque_constant: Annotated[tuple[_Constant, _Constant], _Both] | None = _key(
-        None,
-        "two numbers other than 0, N m at the joint for 1 A or for 1 count, joint 1 and joint 2",
-        "gear included; a count is one of PWM",
-    )
-    torque_offset: Annotated[tuple[_Number, _Number], _Both] = _key(
-        (0.0, 0.0), "two numbers, the torque recorded where none acts, N m"
-    )
-    torque_scale: _TwoPositive = _key(
-        (1.0, 1.0),
-        "two numbers above 0, the torque recorded over the one that acts",
-        "the offset is subtracted first",
-    )
-    sign: _TwoSigns = _key(
-        (1.0, 1.0),
-        "two numbers, each 1 or -1",
-        "-1 where position, velocity and torque of a joint count in the opposite direction",
-    )
-    torque_sign: _TwoSigns = _key(
-        (1.0, 1.0), "two numbers, each 1 or -1", "-1 where only the torque does, in addition to `sign`"
-    )
-    zero: Annotated[tuple[_Angle, _Angle], _Both] = _key(
-        (0.0, 0.0),
-        "two numbers, the position recorded where the angle of Eq. 1 is 0, rad",
-        "in rad whatever the unit of the log, within a turn",
-    )
-    second_joint_absolute: bool = _key(
-        False, "true or false", "whether `q2` was measured from the vertical and not from link 1"
-    )
-    torque_limit: _TwoPositive | None = _key(
-        None,
-        "two numbers above 0, the largest torque of joint 1 and of joint 2, N m",
-        "without it a largest value that occurs repeatedly counts as one",
-    )
-    position_limit: _TwoRanges | None = _key(
-        None,
-        "two ranges, lowest and highest angle of Eq. 1 of joint 1 and of joint 2, rad",
-        "for `repro excite`; joint 2 relative to link 1, whatever `zero` and `sign` state",
-    )
-    speed_limit: _TwoPositive | None = _key(
-        None, "two numbers above 0, the largest speed of joint 1 and of joint 2, rad/s", "for `repro excite`"
-    )
-    workspace: _TwoRanges | None = _key(
-        None,
-        "two ranges, of x and of y of elbow and tip from joint 1, m",
-        "for `repro excite`, with `link_lengths`: x to the right, y up, joint 1 at 0, 0",
-    )
-    plane: Literal["vertical", "horizontal"] = _key(
-        "vertical", "vertical or horizontal", "in a horizontal plane g1 and g2 are zero and not estimated"
-    )
-    gravity: _Positive = _key(STANDARD_GRAVITY, "a number above 0, m/s^2", "for the exports")
-    link_lengths: _TwoPositive | None = _key(
-        None,
-        "two numbers above 0, the lengths of link 1 and link 2, m",
-        "for `workspace` and the exports: l1 is compared, l2 guides the choice of m2",
-    )
-    friction_steepness: Annotated[_Positive | None, _Automatic] = _key(
-        LAMBDA,
-        "a number above 0, s/rad, or auto",
-        "lambda of Eq. 1; `auto` chooses the best of 5, 10, 20, 50, 100, 200",
-    )
-    delay: Annotated[Annotated[float, Field(ge=-1, le=1)] | None, _Automatic] = _key(
-        None, "a number from -1 to 1, s, or auto", "how much later than recorded the torque acts", "`auto`"
-    )
+    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+\Z")] = _key("name", "arm")
+    columns: Annotated[dict[Signal, _Text], AfterValidator(_columns)] = _key("columns", default_factory=dict)
+    topic: _Text | None = _key("topic")
+    units: Units = _key("units", default_factory=Units)
+    counts_per_turn: _TwoPositive | None = _key("counts_per_turn")
+    torque_constant: Annotated[tuple[_Constant, _Constant], _Both] | None = _key("torque_constant")
+    torque_offset: Annotated[tuple[_Number, _Number], _Both] = _key("torque_offset", (0.0, 0.0))
+    torque_scale: _TwoPositive = _key("torque_scale", (1.0, 1.0))
+    sign: _TwoSigns = _key("sign", (1.0, 1.0))
+    torque_sign: _TwoSigns = _key("torque_sign", (1.0, 1.0))
+    zero: Annotated[tuple[_Angle, _Angle], _Both] = _key("zero", (0.0, 0.0))
+    second_joint_absolute: bool = _key("second_joint_absolute", default=False)
+    torque_limit: _TwoPositive | None = _key("torque_limit")
+    position_limit: _TwoRanges | None = _key("position_limit")
+    speed_limit: _TwoPositive | None = _key("speed_limit")
+    workspace: _TwoRanges | None = _key("workspace")
+    plane: Literal["vertical", "horizontal"] = _key("plane", "vertical")
+    gravity: _Positive = _key("gravity", STANDARD_GRAVITY)
+    link_lengths: _TwoPositive | None = _key("link_lengths")
+    friction_steepness: Annotated[_Positive | None, _Automatic] = _key("friction_steepness", LAMBDA)
+    delay: Annotated[Annotated[float, Field(ge=-1, le=1)] | None, _Automatic] = _key("delay")
     file: str = Field(default="arm file", exclude=True)  # where this was read, for messages
 
 

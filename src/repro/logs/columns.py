@@ -9,17 +9,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from repro.errors import InputError
-from repro.logs.armfile import Arm, Kind, Pair, Signal
+from repro.logs.armfile import Arm, Kind, Signal
 
 #: Signals of a log and what kind each is.
 KINDS: Final[dict[Signal, Kind]] = {
-    "time": "time",
-    "q1": "position",
-    "q2": "position",
-    "dq1": "velocity",
-    "dq2": "velocity",
-    "tau1": "torque",
-    "tau2": "torque",
+    **{"time": "time", "q1": "position", "q2": "position"},
+    **{"dq1": "velocity", "dq2": "velocity", "tau1": "torque", "tau2": "torque"},
 }
 
 _SECOND = ("/s", "s", "/sec", "persec", "ps", "pers", "/second", "s1", "s^1")
@@ -113,13 +108,16 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
     """
     notes: list[str] = []
     chosen = _mapped(header, arm, file)
+    mapped = {column.index for column in chosen.values()}
     candidates: dict[Signal, list[Column]] = {}
     for index, name in enumerate(header):
         match = _match(name)
-        if match and match[0] not in chosen and index not in {column.index for column in chosen.values()}:
+        if match and match[0] not in chosen and index not in mapped:
             candidates.setdefault(match[0], []).append(Column(index, name, _unit(name, *match, arm, file)))
-    if candidates.keys() - {"time"}:
-        _refuse_joint_0(header, file)
+    zero = [name for name in header if _JOINT_0.search(name) and _match(_JOINT_0.sub("1", name))]
+    if zero and candidates.keys() - {"time"}:  # joints 1 and 2 may be the second and third of 0, 1 and 2
+        named = "each column of the two joints by its signal, columns.q1 and so on, in the arm file"
+        raise InputError.at(f"{file}: header", f"columns of a joint 0: {_listed(zero)}", f"joints 1 and 2, or {named}")
     for signal, columns in candidates.items():
         chosen[signal] = _choose(signal, columns, file, notes)
     missing = [signal for signal in KINDS if signal not in chosen and KINDS[signal] != "velocity"]
@@ -138,16 +136,19 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
 def _mapped(header: Sequence[str], arm: Arm, file: str) -> dict[Signal, Column]:
     """Find the columns that the arm file names."""
     chosen: dict[Signal, Column] = {}
-    for signal, kind in KINDS.items():
-        if signal not in arm.columns:
-            continue
+    for signal, kind in ((signal, kind) for signal, kind in KINDS.items() if signal in arm.columns):
         name = arm.columns[signal].strip()
         if name not in header:
             near = difflib.get_close_matches(name, header, 1)
             expected = f"a header of {file}: {_listed(header)}" + (f" (perhaps {near[0]!r})" if near else "")
             raise InputError.at(f"{arm.file}: columns.{signal}", repr(name), expected)
         match = _match(name)
-        spelling = match[1] if match and KINDS[match[0]] == kind else _any_unit(name, kind)
+        if match and KINDS[match[0]] == kind:
+            spelling = match[1]
+        else:  # of a header of any name; brackets enclose a unit, known or not
+            units = [unit for _, unit in _split(name) if unit_named(unit, kind)]
+            brackets = _BRACKETS.match(name)
+            spelling = units[0] if units else brackets[2] if brackets else ""
         chosen[signal] = Column(header.index(name), name, _unit(name, signal, spelling, arm, file))
     return chosen
 
@@ -180,13 +181,6 @@ def _match(header: str) -> tuple[Signal, str] | None:
     return unknown
 
 
-def _any_unit(header: str, kind: Kind) -> str:
-    """Find the spelling of the unit in a header of any name; brackets enclose one, known or not."""
-    units = [unit for _, unit in _split(header) if unit_named(unit, kind)]
-    brackets = _BRACKETS.match(header)
-    return units[0] if units else brackets[2] if brackets else ""
-
-
 def _unit(header: str, signal: Signal, spelling: str, arm: Arm, file: str) -> str | None:
     """Give the unit of a column; None if neither the header nor the arm file states it."""
     kind = KINDS[signal]
@@ -211,15 +205,6 @@ def _choose(signal: Signal, columns: list[Column], file: str, notes: list[str]) 
         return si[0]
     found = f"{len(columns)} columns for {signal}: {', '.join(names)}"
     raise InputError.at(f"{file}: header", found, f"one, or the one to use as columns.{signal} in the arm file")
-
-
-def _refuse_joint_0(header: Sequence[str], file: str) -> None:
-    """Refuse joints 0, 1 and 2: joints 1 and 2 may be the second and third."""
-    zero = [name for name in header if _JOINT_0.search(name) and _match(_JOINT_0.sub("1", name))]
-    if zero:
-        found = f"columns of a joint 0: {_listed(zero)}"
-        named = "each column of the two joints by its signal, columns.q1 and so on, in the arm file"
-        raise InputError.at(f"{file}: header", found, f"joints 1 and 2, or {named}")
 
 
 def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signal, Column], file: str) -> InputError:
@@ -249,19 +234,16 @@ def _listed(names: Sequence[str]) -> str:
 
 def _with_units(found: dict[Signal, Column], file: str, notes: list[str]) -> dict[Signal, Column]:
     """Complete the units: SI where neither joint states one. Columns come in the order of `KINDS`."""
-    complete: dict[Signal, Column] = {}
+    complete = {signal: found[signal] for signal in KINDS if signal in found}
     assumed: dict[str, list[str]] = {}
-    for signal, kind in KINDS.items():
-        if signal not in found:
-            continue
-        column = found[signal]
+    for signal, column in complete.items():
+        kind = KINDS[signal]
         if column.unit is None:
             for twin in (twin for name, twin in found.items() if KINDS[name] == kind and twin.unit):
                 expected = f"its unit, as {twin.header} is in {twin.unit}; or units.{kind} in the arm file"
                 raise InputError.at(f"{file}: header, column {column.header}", "no unit", expected)
             assumed.setdefault(si_unit(kind), []).append(column.header)
-            column = replace(column, unit=si_unit(kind), assumed=True)
-        complete[signal] = column
+            complete[signal] = replace(column, unit=si_unit(kind), assumed=True)
     if assumed:
         units = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in assumed.items())
         notes.append(f"the header states no unit for some columns; assumed: {units}")
@@ -292,8 +274,7 @@ def si_factor(signal: Signal, unit: str, arm: Arm, log: str = "the log") -> floa
     if unit in _FACTORS:
         return _FACTORS[unit]
     key = "torque_constant" if KINDS[signal] == "torque" else "counts_per_turn"
-    pair: Pair | None = getattr(arm, key)
-    if pair is None:
+    if getattr(arm, key) is None:
         raise InputError.at(f"{arm.file}: {key}", "nothing", f"two numbers, because {signal} of {log} is in {unit}")
-    value = pair[int(signal[-1]) - 1]
+    value: float = getattr(arm, key)[int(signal[-1]) - 1]
     return 2.0 * math.pi / value if key == "counts_per_turn" else value * (1e-3 if unit == "mA" else 1.0)

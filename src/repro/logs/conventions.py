@@ -38,8 +38,6 @@ _RANK = 1e-11
 _RESIDUAL_RATIO = 0.5
 #: Delays examined, s; `repro identify` estimates smaller ones by itself.
 _SMALLEST_DELAY, _LARGEST_DELAY = 0.03, 0.3
-
-
 #: Beginning of the warning of another convention.
 READS_BETTER = "the log reads better with"
 
@@ -117,12 +115,10 @@ class Smoothed:
 
         A controller that switches its torque drives a motion by what remains below the cutoff.
         """
-        size = np.linalg.norm(self.tau[:, self.chosen], axis=1)
-        above = size <= np.linalg.norm(self.noise[:, self.chosen], axis=1)
-        if not above.any():
+        below, above = (np.linalg.norm(x[:, self.chosen], axis=1) for x in (self.tau, self.noise))
+        if (below > above).all():
             return []
-        unexplained = _fit(self, _AS_GIVEN).error > _MOST
-        return [joint + 1 for joint in (0, 1) if above[joint] and unexplained[joint]]
+        return (np.flatnonzero((below <= above) & (_fit(self, _AS_GIVEN).error > _MOST)) + 1).tolist()
 
 
 _AS_GIVEN: Final = Convention("", "")
@@ -131,11 +127,10 @@ _AS_GIVEN: Final = Convention("", "")
 def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Iterator[str]:
     """Report a convention that explains the torque far better, or equally well with possible signs only.
 
-    Least squares of Eq. 1 on coarsely low-passed signals. Least squares itself takes any sign: a wrong sign of the
-    torque or a wrong zero comes out as negative inertia, gravity or friction.
+    Least squares takes any sign: a wrong sign of the torque or a wrong zero comes out as negative inertia, gravity or
+    friction.
     """
-    size = np.linalg.norm(s.tau[:, s.chosen], axis=1)
-    if size.min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
+    if np.linalg.norm(s.tau[:, s.chosen], axis=1).min() < 1e-6 * np.linalg.norm(log.tau):  # driven at the ends only
         return
     noisy = s.noisy_joints()
     if len(noisy) == 2:
@@ -164,8 +159,7 @@ def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Ite
         )
     elif given.n_impossible:
         same = [(fit, c) for fit, c in fits if 1.0 / _SAME_RATIO < fit.ratio(given) < _SAME_RATIO]
-        possible = [convention for fit, convention in same if fit.n_impossible == 0]
-        for convention in possible[:1]:
+        for convention in [convention for fit, convention in same if fit.n_impossible == 0][:1]:
             yield _advice(convention, "as given, inertia, gravity or friction come out negative", log.dq is not None)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Final
 
 import numpy as np
@@ -14,6 +15,8 @@ from repro.logs.torque_limits import quantisation_step, saturated
 from repro.model.parameters import Array
 
 _TURN: Final = 2.0 * np.pi
+#: Speed below which a joint is at rest, rad/s.
+AT_REST = 0.02
 #: Ratios of recorded velocity to differentiated position that have a known cause.
 _RATIOS: Final = (
     (
@@ -36,19 +39,16 @@ def still_joint(log: Log) -> Iterator[str]:
     """Report the first joint that does not move."""
     still = [(joint, moved) for joint, moved in enumerate(np.ptp(log.q, axis=1), 1) if moved < STILL]
     for joint, moved in still[:1]:
-        yield (
-            f"joint {joint} does not move ({moved:.2g} rad), so its friction and inertia are not excited: "
-            "record a motion of both joints"
-        )
+        found = f"joint {joint} does not move ({moved:.2g} rad)"
+        yield f"{found}, so its friction and inertia are not excited: record a motion of both joints"
 
 
 def large_range(log: Log) -> Iterator[str]:
     """Report positions of many turns."""
-    joint = int(np.argmax(np.ptp(log.q, axis=1)))
-    moved = float(np.ptp(log.q[joint]))
+    joint, moved = max(enumerate(np.ptp(log.q, axis=1), 1), key=itemgetter(1))
     if moved > 4.0 * _TURN:
         yield (
-            f"joint {joint + 1} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns): if these are degrees or counts, "
+            f"joint {joint} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns): if these are degrees or counts, "
             "write into the arm file: units: {position: deg} or units: {position: counts}"
         )
 
@@ -57,21 +57,15 @@ def odd_speed(log: Log) -> Iterator[str]:
     """Report a speed that hardly any arm has, and a motion that is too fast for the rate."""
     top = float(np.percentile(np.abs(speed(log)), 99.9, axis=1).max())
     if top > 100.0:
-        yield (
-            f"a joint turns at {top:.3g} rad/s: check the units of position and time (units.position, units.time "
-            "in the arm file)"
-        )
+        where = "units.position, units.time in the arm file"
+        yield f"a joint turns at {top:.3g} rad/s: check the units of position and time ({where})"
     if top < 0.05:
-        yield (
-            f"the fastest motion is {top:.2g} rad/s, too slow to show inertia: check the unit of time, or record a "
-            "faster motion"
-        )
+        found = f"the fastest motion is {top:.2g} rad/s, too slow to show inertia"
+        yield f"{found}: check the unit of time, or record a faster motion"
     step = float(np.percentile(np.abs(np.diff(log.q, axis=1)), 99.0, axis=1).max())
     if step > 0.3:
-        yield (
-            f"joints turn by up to {step:.2g} rad from one sample to the next ({1.0 / period(log):.4g} Hz): "
-            "record at a higher rate"
-        )
+        found = f"joints turn by up to {step:.2g} rad from one sample to the next ({1.0 / period(log):.4g} Hz)"
+        yield f"{found}: record at a higher rate"
 
 
 def position_jump(log: Log) -> Iterator[str]:
@@ -80,8 +74,7 @@ def position_jump(log: Log) -> Iterator[str]:
     for joint, q in enumerate(log.q, 1):
         steps = np.where(dt < GAP * period(log), np.abs(np.diff(q)), 0.0)
         usual = median_filter(steps, 11, mode="nearest")
-        jumps = np.flatnonzero((steps > 0.1) & (steps > 8.0 * usual))
-        if jumps.size:
+        if (jumps := np.flatnonzero((steps > 0.1) & (steps > 8.0 * usual))).size:
             k = int(jumps[0])
             yield (
                 f"the position of joint {joint} jumps by {steps[k]:.3g} rad at {log.t[k + 1]:.4g} s "
@@ -94,17 +87,17 @@ def velocity_disagrees(log: Log) -> Iterator[str]:
     """Report velocities that are not the derivative of the positions."""
     if log.dq is None:
         return
-    w = half_window(log)
-    derived = speed(log)
+    w, derived = half_window(log), speed(log)
     recorded = uniform_filter1d(log.dq, 2 * w + 1, axis=1)[:, w:-w]
-    match = np.array([[_correlation(r, d) for d in derived] for r in recorded])
+    with np.errstate(invalid="ignore"):  # a constant has no correlation: it counts as none
+        match = np.nan_to_num(np.corrcoef(recorded, derived)[:2, 2:])
     if min(match[0, 1], match[1, 0]) > 0.9 > max(match[0, 0], match[1, 1]):
         yield (
             "the velocity columns of joints 1 and 2 are swapped (each is the derivative of the other position): "
             "write into the arm file: columns: {dq1: dq2, dq2: dq1} (with the headers of this log)"
         )
         return
-    problems = [_velocity_problem(match[joint, joint], recorded[joint], derived[joint]) for joint in range(2)]
+    problems = map(_velocity_problem, np.diagonal(match), recorded, derived)
     yield from [f"velocity of joint {joint}: {problem}" for joint, problem in enumerate(problems, 1) if problem][:1]
 
 
@@ -113,24 +106,14 @@ def _velocity_problem(match: float, recorded: Array, derived: Array) -> str:
     if match < -0.8:
         return "the opposite sign of the differentiated position: check the signs of both columns"
     if match < 0.8:
-        return (
-            f"it is not the derivative of the position (correlation {match:.2f}): check which columns they are, and "
-            "the unit of time"
-        )
+        found = f"it is not the derivative of the position (correlation {match:.2f})"
+        return f"{found}: check which columns they are, and the unit of time"
     ratio = float(recorded @ derived / (derived @ derived))
     if 0.8 < ratio < 1.25:
         return ""
-    for known, cause in _RATIOS:
-        if 0.9 < ratio / known < 1.1:
-            return f"{ratio:.3g} times the differentiated position, as with {cause}"
-    return f"{ratio:.3g} times the differentiated position: check the units of position, velocity and time"
-
-
-def _correlation(a: Array, b: Array) -> float:
-    """Correlation coefficient, zero for a constant."""
-    a, b = a - a.mean(), b - b.mean()
-    size = float(np.linalg.norm(a) * np.linalg.norm(b))
-    return float(a @ b) / size if size > 0.0 else 0.0
+    causes = [f", as with {cause}" for known, cause in _RATIOS if 0.9 < ratio / known < 1.1]
+    cause = causes[0] if causes else ": check the units of position, velocity and time"
+    return f"{ratio:.3g} times the differentiated position{cause}"
 
 
 def odd_torque(log: Log) -> Iterator[str]:
@@ -138,22 +121,17 @@ def odd_torque(log: Log) -> Iterator[str]:
     for joint, tau in enumerate(log.tau, 1):
         largest = float(np.abs(tau).max())
         if largest > 100.0 and np.array_equal(tau, np.rint(tau)):
-            yield (
-                f"the torque of joint {joint} is whole numbers up to {largest:.0f}, taken for N m: if these are "
-                "counts, give units.torque: counts and torque_constant in the arm file"
-            )
+            found = f"the torque of joint {joint} is whole numbers up to {largest:.0f}, taken for N m"
+            yield f"{found}: if these are counts, give units.torque: counts and torque_constant in the arm file"
             break
         if largest > 1000.0:
-            yield (
-                f"the torque of joint {joint} is up to {largest:.4g} N m: if this is mN m, give units.torque: mN m in "
-                "the arm file"
-            )
+            found = f"the torque of joint {joint} is up to {largest:.4g} N m"
+            yield f"{found}: if this is mN m, give units.torque: mN m in the arm file"
             break
-    fractions = saturated(log).mean(axis=1)
-    joint = int(np.argmax(fractions))
-    if fractions[joint] > 0.05:
+    joint, fraction = max(enumerate(saturated(log).mean(axis=1), 1), key=itemgetter(1))
+    if fraction > 0.05:
         yield (
-            f"the torque of joint {joint + 1} is saturated in {100.0 * fractions[joint]:.0f} % of the samples, where "
+            f"the torque of joint {joint} is saturated in {100.0 * fraction:.0f} % of the samples, where "
             "the recorded torque may not be the one that acted: record a slower motion"
         )
 
@@ -192,10 +170,6 @@ class Description:
     simulated: bool = False  # whether the simulated board made it
 
 
-#: Speed below which a joint is at rest, rad/s.
-AT_REST = 0.02
-
-
 def describe(log: Log, arm: Arm) -> Description:
     """Describe a log as read, before resampling."""
     facts = (("arm", arm.name), *_timing(log), *_motion(log), *_torque(log))
@@ -204,25 +178,23 @@ def describe(log: Log, arm: Arm) -> Description:
 
 def _timing(log: Log) -> Iterator[tuple[str, str]]:
     h = period(log)
-    low, high = 1e3 * np.percentile(np.diff(log.t), (1.0, 99.0))
+    low, high, longest = 1e3 * np.percentile(np.diff(log.t), (1.0, 99.0, 100.0))
     missing = missing_samples(log)
-    gaps = int(np.count_nonzero(missing))
+    gaps = np.count_nonzero(missing)
     yield "samples", str(log.t.size)
     yield "length", f"{log.t[-1] - log.t[0]:.4g} s"
     yield "rate", f"{1.0 / h:.4g} Hz (98 % of the periods {low:.4g} to {high:.4g} ms)"
-    worst = f", the longest {1e3 * float(np.diff(log.t).max()):.4g} ms" if gaps else ""
-    yield "gaps", f"{gaps}, {missing.sum():.0f} samples missing{worst}" if gaps else "none"
+    yield "gaps", f"{gaps}, {missing.sum():.0f} samples missing, the longest {longest:.4g} ms" if gaps else "none"
 
 
 def _motion(log: Log) -> Iterator[tuple[str, str]]:
     moving = np.abs(speed(log))
     for joint, q in enumerate(log.q):
-        low, high = float(q.min()), float(q.max())
+        low, high = q.min(), q.max()
         in_degrees = f"{np.rad2deg(low):.1f} to {np.rad2deg(high):.1f} deg"
-        rest = float(np.mean(moving[joint] < AT_REST))
         yield f"position of joint {joint + 1}", f"{low:.3f} to {high:.3f} rad ({in_degrees})"
         yield f"top speed of joint {joint + 1}", f"{moving[joint].max():.3g} rad/s"
-        yield f"at rest, joint {joint + 1}", f"{100.0 * rest:.1f} % of the time"
+        yield f"at rest, joint {joint + 1}", f"{100.0 * np.mean(moving[joint] < AT_REST):.1f} % of the time"
         yield f"step of position {joint + 1}", _step(q, "rad")
     yield "velocity", "none recorded" if log.dq is None else "recorded"
 
@@ -231,7 +203,7 @@ def _torque(log: Log) -> Iterator[tuple[str, str]]:
     limit = log.torque_limit
     for joint, (tau, fraction) in enumerate(zip(log.tau, saturated(log).mean(axis=1), strict=True)):
         of = "" if limit is None else f" (limit {limit[joint]:.4g} N m)"
-        rms = float(np.sqrt(np.mean(tau**2)))
+        rms = np.sqrt(np.mean(tau**2))
         yield f"torque of joint {joint + 1}", f"{tau.min():.4g} to {tau.max():.4g} N m, RMS {rms:.4g} N m"
         yield f"step of torque {joint + 1}", _step(tau, "N m")
         yield f"saturation of torque {joint + 1}", f"{100.0 * fraction:.1f} % of the samples{of}"

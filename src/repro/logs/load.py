@@ -67,13 +67,12 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
     """
     arm = arm or Arm()
     source = Path(source) if isinstance(source, str) else source
-    if not isinstance(source, Path | pd.DataFrame | Log):
-        raise InputError.at("source", type(source).__name__, "a path, a DataFrame or a Log")
     if isinstance(source, Log):
         place, raw = source.name, _from_arrays(source, arm)
     elif isinstance(source, pd.DataFrame):
-        place = "data frame"
-        raw = _from_table(table_of(source, place), place, arm)
+        place, raw = "data frame", _from_table(table_of(source, "data frame"), "data frame", arm)
+    elif not isinstance(source, Path):
+        raise InputError.at("source", type(source).__name__, "a path, a DataFrame or a Log")
     elif source.is_dir() and not is_bag(source):
         raise InputError.at(str(source), "a folder", "a CSV table, a capture NAME.bin, or a ROS 2 bag")
     elif source.suffix == ".bin":
@@ -108,9 +107,8 @@ def _from_capture(path: Path, arm: Arm) -> Log:
         notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
     if lost := metadata.samples - capture.counts.good:
         notes.append(f"{lost} lost samples are interpolated")
-    simulated, limit = metadata.source == "simulated", np.array(metadata.control.full_torque)
-    log = Log(name=path.name, t=t, q=q, tau=tau, notes=tuple(notes), simulated=simulated)
-    return replace(log, torque_limit=limit)
+    about = {"notes": tuple(notes), "simulated": metadata.source == "simulated"}
+    return Log(name=path.name, t=t, q=q, tau=tau, torque_limit=np.array(metadata.control.full_torque), **about)
 
 
 def _from_table(table: Table, name: str, arm: Arm) -> Log:
@@ -120,15 +118,13 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
     kept, left_out = _full_rows(table.file, lines, list(columns), values)
     notes = (*table.notes, *more, *notes, *left_out)
     recorded = {signal: row for signal, row in zip(columns, values[:, kept], strict=True) if not np.isnan(row).any()}
-    factors = {signal: si_factor(signal, str(columns[signal].unit), arm, table.file) for signal in recorded}
-    si = {signal: factors[signal] * values for signal, values in recorded.items()}
+    si = {name: si_factor(name, str(columns[name].unit), arm, table.file) * row for name, row in recorded.items()}
     for joint in ("q1", "q2"):
         if columns[joint].assumed and np.ptp(si[joint]) > _FAR:
-            place, turned = f"{table.file}: {columns[joint].header}", float(np.ptp(si[joint]))
-            found = f"no unit, and {turned / _TURN:.3g} turns if it is rad"
-            degrees = f"{np.radians(turned):.3g} rad"
+            turned = float(np.ptp(si[joint]))
+            found, degrees = f"no unit, and {turned / _TURN:.3g} turns if it is rad", f"{np.radians(turned):.3g} rad"
             expected = f"in the arm file units: {{position: deg}}, which makes it {degrees}, or counts, or rad"
-            raise InputError.at(place, found, expected)
+            raise InputError.at(f"{table.file}: {columns[joint].header}", found, expected)
     time = si["time"]
     _check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])
     if time[0] != 0.0:
@@ -188,8 +184,7 @@ def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Seque
     if np.abs(recorded).max() > _LARGEST_TIME:
         raise InputError.at(f"{file}: time", f"{np.abs(recorded).max():.3g} {unit}", f"at most {_LARGEST_TIME:g}")
     steps = np.diff(recorded)
-    wrong = np.flatnonzero(steps <= 0.0)
-    if wrong.size:
+    if (wrong := np.flatnonzero(steps <= 0.0)).size:
         k = int(wrong[0])
         now, before = (f"{value:.10g} {unit}" for value in (recorded[k + 1], recorded[k]))
         digits = " (too few digits?)" if np.all(steps[wrong] == 0.0) and wrong.size > 0.05 * steps.size else ""
@@ -219,12 +214,12 @@ def _check_signals(log: Log, file: str) -> None:
         found = f"an arm that does not move ({moved[0]:.2g} and {moved[1]:.2g} rad)"
         raise InputError.at(f"{file}: position", found, f"joints that move by {STILL:g} rad and more")
     for joint, tau in enumerate(log.tau, 1):
+        place, most = f"{file}: torque of joint {joint}", np.abs(tau).max()
         if np.ptp(tau) == 0.0:
             found = "zero throughout" if tau[0] == 0.0 else f"{tau[0]:.6g} N m throughout"
-            raise InputError.at(f"{file}: torque of joint {joint}", found, "a torque that changes")
-        if np.abs(tau).max() < _SMALLEST:
-            found = f"{np.abs(tau).max():.3g} N m at most"
-            raise InputError.at(f"{file}: torque of joint {joint}", found, f"a torque of {_SMALLEST:g} N m and more")
+            raise InputError.at(place, found, "a torque that changes")
+        if most < _SMALLEST:
+            raise InputError.at(place, f"{most:.3g} N m at most", f"a torque of {_SMALLEST:g} N m and more")
     for joint, fraction in enumerate(saturated(log).mean(axis=1), 1):
         if fraction > _ALWAYS:
             found = f"saturated throughout ({100.0 * fraction:.0f} % of the samples at the limit)"

@@ -14,6 +14,9 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from repro.errors import InputError
 from repro.model.parameters import Array
 
+#: Fields of a log with a value for each sample.
+_SIGNALS = ("t", "q", "tau", "dq", "left_out")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # identity hash, so that results can be kept per instance
 class Log:
@@ -94,17 +97,14 @@ class Log:
 
     def piece(self, begin: int, end: int) -> "Log":
         """Cut out samples ``begin ... end - 1``."""
-        cut = slice(begin, end)
-        dq = None if self.dq is None else self.dq[:, cut]
-        left_out = None if self.left_out is None else self.left_out[:, cut]
-        return replace(self, t=self.t[cut], q=self.q[:, cut], tau=self.tau[:, cut], dq=dq, breaks=(), left_out=left_out)
+        cut = {name: x[..., begin:end] for name in _SIGNALS if (x := getattr(self, name)) is not None}
+        return replace(self, **cut, breaks=())
 
     @cached_property
     def pieces(self) -> tuple["Log", ...]:
         """The log cut at its breaks."""
-        if not self.breaks:
-            return (self,)
-        return tuple(self.piece(*edges) for edges in pairwise((0, *self.breaks, self.t.size)))
+        edges = (0, *self.breaks, self.t.size)
+        return tuple(self.piece(*pair) for pair in pairwise(edges)) if self.breaks else (self,)
 
     @property
     def longest(self) -> "Log":
@@ -134,7 +134,7 @@ def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
     """Give an array of finite real numbers of this shape."""
     try:
         array = np.asarray(given)
-    except ValueError:  # rows of different lengths
+    except ValueError:
         raise InputError.at(place, "rows of different lengths", f"shape {shape}") from None
     if np.ma.is_masked(given):
         raise InputError.at(place, "masked values", "a value for each sample")
@@ -143,8 +143,7 @@ def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
     if array.shape != shape:
         raise InputError.at(place, f"shape {array.shape}", f"shape {shape}")
     numbers = np.asarray(array, dtype=np.float64)
-    bad = np.argwhere(~np.isfinite(numbers))
-    if bad.size:
+    if (bad := np.argwhere(~np.isfinite(numbers))).size:
         found = f"{len(bad)} numbers that are not finite, the first at index {bad[:, -1].min()}"
         raise InputError.at(place, found, "none; leave these samples out")
     return numbers
@@ -201,14 +200,11 @@ def uniform(log: Log) -> Log:
     even = [_even(piece) for piece in pieces]
     if even[0] is log:
         return log
-
-    def joined(name: str) -> Array:
-        return np.concatenate([getattr(piece, name) for piece in even], axis=-1)
-
-    breaks = tuple(int(n) for n in np.cumsum([piece.t.size for piece in even[:-1]]))
-    dq, t = None if log.dq is None else joined("dq"), joined("t") - log.t[0]
+    names = [name for name in _SIGNALS if getattr(log, name) is not None]
+    joined = {name: np.concatenate([getattr(piece, name) for piece in even], axis=-1) for name in names}
+    breaks = tuple(np.cumsum([piece.t.size for piece in even[:-1]], dtype=int).tolist())
     notes = max(even, key=lambda piece: piece.t.size).notes
-    return replace(log, t=t, q=joined("q"), tau=joined("tau"), dq=dq, breaks=breaks, notes=notes)
+    return replace(log, **{**joined, "t": joined["t"] - log.t[0]}, breaks=breaks, notes=notes)
 
 
 def segments(log: Log) -> list[Log]:
@@ -216,7 +212,7 @@ def segments(log: Log) -> list[Log]:
     gaps = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
     if not gaps.size:
         return [log]
-    pieces = [log.piece(*edges) for edges in pairwise([0, *(int(k) + 1 for k in gaps), log.t.size])]
+    pieces = [log.piece(*edges) for edges in pairwise((0, *(gaps + 1).tolist(), log.t.size))]
     seconds = [float(piece.t[-1] - piece.t[0]) for piece in pieces]
     used = [s >= SHORTEST and piece.t.size >= FEWEST for s, piece in zip(seconds, pieces, strict=True)]
     summary = f"{gaps.size} gap{'s' * (gaps.size > 1)} of up to {float(np.diff(log.t).max()):.3g} s"
@@ -236,9 +232,11 @@ def _even(piece: Log) -> Log:
     k = np.arange(n) - 0.5 * (n - 1)
     even = piece.t.mean() + k * (k @ piece.t) / (k @ k)  # the line through the times by least squares
     deviation = float(np.abs(piece.t - even).max())
-    step = _resolution(piece.t)
     if deviation <= _EVEN * h:
         return piece
+    # The power of ten, s, of which all times are multiples, 1 ns at the finest
+    digits = (digits for digits in range(1, 9) if np.abs(piece.t - np.round(piece.t, digits)).max() < 1e-9)
+    step = 10.0 ** -next(digits, 9)
     if deviation <= 1.01 * step:
         rate = (n - 1) / (even[-1] - even[0])
         notes.append(f"times are rounded to {step:g} s; samples are taken as evenly spaced at {rate:.6g} Hz")
@@ -250,23 +248,14 @@ def _even(piece: Log) -> Log:
     t = piece.t[0] + h * np.arange(int((last - piece.t[0]) / h + _EVEN) + 1)
     at = np.minimum(t, last)
     # Positions are smooth; torques may jump, and a cubic without overshoot keeps them within their limits.
-    q = CubicSpline(piece.t[kept], piece.q[:, kept], axis=1)(at)
+    q, dq = (None if x is None else CubicSpline(piece.t[kept], x[:, kept], axis=1)(at) for x in (piece.q, piece.dq))
     tau = PchipInterpolator(piece.t[kept], piece.tau[:, kept], axis=1)(at)
-    dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
     notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
     return replace(piece, t=t, q=q, tau=tau, dq=dq, notes=tuple(notes))
 
 
-def _resolution(t: Array) -> float:
-    """Find the power of ten, s, of which all times are multiples, 1 ns at the finest."""
-    enough = (digits for digits in range(1, 9) if np.abs(t - np.round(t, digits)).max() < 1e-9)
-    return 10.0 ** -next(enough, 9)
-
-
 def _at_least_apart(t: Array, least: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
     """Pick samples each at least so far from the one before."""
-    if float(np.diff(t).min()) >= least:
-        return np.arange(t.size)
     kept = [0]
     for k in range(1, t.size):
         if t[k] - t[kept[-1]] >= least:

@@ -7,7 +7,7 @@ import re
 import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice
 from pathlib import Path
@@ -78,29 +78,24 @@ class Table:
             [column.first[kind] for column in columns if kind in column.first]
             for kind in ("comma", "underscore", "wrong")
         )
+        cells, expected = underscores or wrong, "a finite number"
         if commas and any(column.point for column in columns):
-            cell, expected = commas[0], "a point, as in other numbers"
+            cells, expected = commas, "a point, as in other numbers"
         elif commas and all(column.grouped for column in columns):
-            cell = commas[0]
-            expected = "commas that are clearly for decimals, not for groups of digits: write a point"
-        elif invalid := underscores or wrong:
-            cell, expected = invalid[0], "a finite number"
-        else:
-            return
-        line, name, text = cell
-        raise InputError.at(f"{self.file}: line {line}, {name}", repr(text[:40]), expected)
+            cells, expected = commas, "commas that are clearly for decimals, not for groups of digits: write a point"
+        for line, name, text in cells[:1]:
+            raise InputError.at(f"{self.file}: line {line}, {name}", repr(text[:40]), expected)
 
 
-@dataclass
 class _Column:
     """Numbers of a column, and its first cell of each kind of error."""
 
-    name: str
-    values: list[Array] = field(default_factory=list)
-    point: bool = False  # whether a cell has one
-    grouped: bool = True  # whether each comma could be for groups of digits
-    # Line, column and text by kind of error: a comma, an underscore (Python takes 1_000 for a number), a wrong number
-    first: dict[str, tuple[int, str, str]] = field(default_factory=dict)
+    def __init__(self, name: str) -> None:
+        self.name, self.values = name, list[Array]()
+        # Whether a cell has a point, and whether each comma could be for groups of digits.
+        self.point, self.grouped = False, True
+        # Line, column and text by kind: a comma, an underscore (Python takes 1_000 for a number), a wrong number
+        self.first: dict[str, tuple[int, str, str]] = {}
 
     def add(self, lines: list[int], cells: list[str]) -> None:
         text, values = "".join(cells), np.array([math.nan])
@@ -128,11 +123,7 @@ class _Column:
 
 
 def read_table(path: Path) -> Table:
-    """Read the header of a CSV file and check its first rows; `Table.numbers` reads the rest.
-
-    Cells are separated by commas, semicolons, tabs, bars or blanks. Lines that begin with # may precede the header, and
-    the last of them may be the header.
-    """
+    """Read the header of a CSV file, perhaps in a comment, and check its first rows; `Table.numbers` reads the rest."""
     size = check_text(path)
     if size > 2 * MOST_ROWS + _HEAD:  # half of the lines may be blank
         raise InputError.at(str(path), f"{size} lines", f"at most {2 * MOST_ROWS}, half of them blank")
@@ -177,19 +168,18 @@ def _cell(value: object) -> str:
 def _head(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:
     """Find the header and the first row, each with its line; a header in a comment has the line of the row."""
     comment, lines = "", _filled(path)
-    first = next(lines, None)
-    while first and first[1].startswith("#"):
-        comment, first = first[1].lstrip("# "), next(lines, None)
-    if first is None:
-        raise InputError.at(str(path), "no header" if comment else "an empty file", _EXPECTED)
-    if _is_numbers(first[1]):
-        if _is_numbers(comment) or not re.search(r"[\s,;|]", comment):
+    for first in lines:
+        if first[1].startswith("#"):
+            comment = first[1].lstrip("# ")
+        elif not _is_numbers(first[1]):
+            for second in lines:
+                return first, second
+            raise InputError.at(str(path), "a header and no samples", _EXPECTED)
+        elif _is_numbers(comment) or not re.search(r"[\s,;|]", comment):
             raise _unnamed(path, *first)
-        return (first[0], comment), first
-    second = next(lines, None)
-    if second is None:
-        raise InputError.at(str(path), "a header and no samples", _EXPECTED)
-    return first, second
+        else:
+            return (first[0], comment), first
+    raise InputError.at(str(path), "no header" if comment else "an empty file", _EXPECTED)
 
 
 def _unnamed(path: Path, line: int, row: str) -> InputError:
@@ -227,8 +217,7 @@ def list_lines(lines: Sequence[int] | NDArray[np.int64]) -> str:
 
 def _separator(place: str, header: str, row: str) -> str:
     """Find the character in the header that cuts the row into as many cells, each a number or a word."""
-    present = [separator for separator in _SEPARATORS if separator in header.strip() and separator != " "]
-    fits = []
+    present, fits = [separator for separator in _SEPARATORS if separator in header.strip() and separator != " "], []
     for separator in present:
         cells = _cells(row, separator)
         clear = all(_is_number(cell.replace(",", ".")) or re.search("[^\\W\\d]", cell) for cell in cells)
@@ -245,20 +234,17 @@ def _separator(place: str, header: str, row: str) -> str:
 def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         line = " ".join(line.split())
-    if '"' not in line:
-        return line.split(separator)
-    try:
-        return next(csv.reader([line], delimiter=separator))
-    except csv.Error:  # a cell of more than 128 KiB
-        return line.split(separator)
+    if '"' in line:
+        with suppress(csv.Error):  # a cell of more than 128 KiB
+            return next(csv.reader([line], delimiter=separator))
+    return line.split(separator)
 
 
 def _number(cell: str, otherwise: float = math.nan) -> float:
     """Read a number; NaN, text and digits of other scripts give `otherwise`."""
-    try:
-        value = float(cell) if cell.isascii() else math.nan
-    except ValueError:
-        return otherwise
+    value = math.nan
+    with suppress(ValueError):
+        value = float(cell) if cell.isascii() else value
     return otherwise if math.isnan(value) else value
 
 
@@ -290,7 +276,7 @@ def check_text(path: Path) -> int:
         if not check_size(path, LARGEST, _EXPECTED):
             raise InputError.at(str(path), "an empty file", _EXPECTED)
         with path.open("rb") as file:
-            return _check_blocks(str(path), iter(lambda: file.read(LONGEST_LINE), b""))
+            return _check_blocks(str(path), iter(partial(file.read, LONGEST_LINE), b""))
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", _EXPECTED) from error
 
@@ -298,10 +284,9 @@ def check_text(path: Path) -> int:
 def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
     decoder, offset, lines, incomplete = codecs.getincrementaldecoder("utf-8")(), 0, 1, b""
     for block in chain(blocks, [b""]):
-        if not offset:
-            for beginnings, (found, expected) in _OTHER_FORMATS.items():
-                if block.startswith(beginnings):
-                    raise InputError.at(name, found, expected)
+        for beginnings, (found, expected) in _OTHER_FORMATS.items():
+            if not offset and block.startswith(beginnings):
+                raise InputError.at(name, found, expected)
         if control := _CONTROL.search(block):
             byte, place = block[control.start()], offset + control.start()
             raise InputError.at(name, f"binary data (byte 0x{byte:02x} at offset {place})", _EXPECTED)
@@ -319,8 +304,6 @@ def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
 
 #: Most messages, of which each takes some kilobytes of memory.
 MOST_MESSAGES = 200_000
-_TYPE = "sensor_msgs/msg/JointState"
-_KINDS = ("position", "velocity", "effort")
 
 
 def is_bag(path: Path) -> bool:
@@ -350,7 +333,7 @@ def read_bag(path: Path, topic: str | None) -> Table:
     )
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
-            topics = sorted({c.topic for c in reader.connections if c.msgtype == _TYPE})
+            topics = sorted({c.topic for c in reader.connections if c.msgtype == "sensor_msgs/msg/JointState"})
             chosen = [name for name in topics if topic in (None, name)]
             if len(chosen) != 1:
                 expected = f"{topic or 'one, or the one to read'}, as topic in the arm file"
@@ -379,7 +362,7 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
     rows = []
     for stamp, (_, message) in zip(stamps, messages, strict=True):
         row = {"time": repr((stamp - stamps[0]) / 1e9)}
-        for kind in _KINDS:
+        for kind in ("position", "velocity", "effort"):
             if len(values := getattr(message, kind)):
                 row |= {f"{name}.{kind}": repr(float(x)) for name, x in zip(message.name, values, strict=True)}
         rows.append(row)
