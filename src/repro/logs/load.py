@@ -107,8 +107,8 @@ def _from_capture(path: Path, arm: Arm) -> Log:
         notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
     if lost := metadata.samples - capture.counts.good:
         notes.append(f"{lost} lost samples are interpolated")
-    about = {"notes": tuple(notes), "simulated": metadata.source == "simulated"}
-    return Log(name=path.name, t=t, q=q, tau=tau, torque_limit=np.array(metadata.control.full_torque), **about)
+    simulated, limit = metadata.source == "simulated", np.array(metadata.control.full_torque)
+    return Log(name=path.name, t=t, q=q, tau=tau, notes=tuple(notes), simulated=simulated, torque_limit=limit)
 
 
 def _from_table(table: Table, name: str, arm: Arm) -> Log:

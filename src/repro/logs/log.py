@@ -248,7 +248,8 @@ def _even(piece: Log) -> Log:
     t = piece.t[0] + h * np.arange(int((last - piece.t[0]) / h + _EVEN) + 1)
     at = np.minimum(t, last)
     # Positions are smooth; torques may jump, and a cubic without overshoot keeps them within their limits.
-    q, dq = (None if x is None else CubicSpline(piece.t[kept], x[:, kept], axis=1)(at) for x in (piece.q, piece.dq))
+    q = CubicSpline(piece.t[kept], piece.q[:, kept], axis=1)(at)
+    dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
     tau = PchipInterpolator(piece.t[kept], piece.tau[:, kept], axis=1)(at)
     notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
     return replace(piece, t=t, q=q, tau=tau, dq=dq, notes=tuple(notes))

@@ -101,8 +101,8 @@ def fit(
         parts = [(log.loaded.name, others, log.regression) for log, others in problem.left_out]
     if halves and not parts:
         first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
-        for name, used, predicted in zip(HALVES, (first, second), (second, first), strict=True):
-            parts.append((name, r.take(used), problem.regression.take(predicted)))
+        pairs = zip(HALVES, ((first, second), (second, first)), strict=True)
+        parts = [(name, r.take(used), problem.regression.take(predicted)) for name, (used, predicted) in pairs]
     scores = tuple(score(name, unseen, method.estimate(used).beta, None) for name, used, unseen in parts)
     return Fit(method, estimate, spread, scores, _prior_weight(method, r, estimate))
 
@@ -125,13 +125,10 @@ def score(name: str, regression: Regression, beta: Array, position: Position) ->
 
 def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Position, ...]) -> MethodResult:
     """Evaluate a fit on every log, given the position errors of each."""
-    beta, r = fitted.estimate.beta, problem.regression
-    n = len(problem.logs)
+    beta, r, n = fitted.estimate.beta, problem.regression, len(problem.logs)
     name = " + ".join(log.loaded.name for log in problem.logs)
-    validation = tuple(
-        score(loaded.name, regression, beta, position)
-        for (loaded, regression), position in zip(problem.validation, positions[n:], strict=True)
-    )
+    pairs = zip(problem.validation, positions[n:], strict=True)
+    validation = tuple(score(loaded.name, unseen, beta, position) for (loaded, unseen), position in pairs)
     return MethodResult(
         method=fitted.method.name,
         title=fitted.method.title,
@@ -157,12 +154,12 @@ def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter,
     rows = []
     for k, name in enumerate(NAMES):
         at_bound = bool(beta[k] == 0.0 or known[k])
-        error, low, high = None, None, None
+        error = low = high = None
         if spread is not None and determined[k] and not (at_bound or problem.doubt):
             error, low, high = (float(each[k]) for each in (spread.standard_error, spread.low, spread.high))
         possible, doubt = beta[k] > 0.0 or name not in NOT_NEGATIVE, problem.doubt if spread is not None else ""
-        text = verdict(float(beta[k]), low, high, bool(excited[k]), at_bound, determined[k], possible, doubt)
         weight = float(fitted.prior_weight[k])
+        text = verdict(float(beta[k]), low, high, bool(excited[k]), at_bound, determined[k], possible, doubt)
         if known[k]:
             text = FIXED
         elif weight > MOSTLY:
@@ -217,13 +214,12 @@ def add_self_test(
     result: Result, problem: IdentificationProblem, arm: Arm, options: Options, progress: Progress
 ) -> Result:
     """Test the recommended one of the methods with intervals on synthetic logs with the parameters it estimated."""
-    able = [m for m in result.methods if m.claims_intervals]
-    if not able:
-        _LOG.warning("self-test: no result, because no method claims intervals")
-        return result
-    name, _ = recommend(able)
-    beta = np.array([p.estimate for m in able if m.method == name for p in m.parameters])
+    able = {m.method: m for m in result.methods if m.claims_intervals}
     try:
+        if not able:
+            raise NoSolutionError("because no method claims intervals")
+        name, _ = recommend(tuple(able.values()))
+        beta = np.array([p.estimate for p in able[name].parameters])
         return replace(result, selftest=self_test(problem, METHODS[name], beta, arm, options, progress))
     except NoSolutionError as error:
         _LOG.warning("self-test: no result, %s", error)
@@ -250,10 +246,9 @@ def add_runs(
 def _excitation(problem: IdentificationProblem, beta: Array) -> Excitation:
     of, share = problem.excited, torque_fraction(problem.moving, beta)
     still = torque_fraction(problem.moving, np.ones(9)) == 0.0
-    weak = (share <= MIN_TORQUE_FRACTION) & (beta != 0.0)
-    unexcited = tuple(np.array(NAMES)[still | weak].tolist())
-    shares = tuple(share.tolist())
-    return Excitation(of.rank, of.condition, shares, of.friction_correlation, unexcited, of.base_parameters)
+    unexcited = np.array(NAMES)[still | ((share <= MIN_TORQUE_FRACTION) & (beta != 0.0))]
+    lists = tuple(share.tolist()), of.friction_correlation, tuple(unexcited.tolist()), of.base_parameters
+    return Excitation(of.rank, of.condition, *lists)
 
 
 def _signals(name: str, r: Regression, methods: Sequence[MethodResult], betas: Array) -> Signals:

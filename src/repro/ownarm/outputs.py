@@ -96,8 +96,7 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
         except ValueError as error:
             reason = f"No two links have these parameters. {error}"
         else:
-            rotor = sum(term.value for term in result.terms if term.taken and term.kind == ROTOR)
-            links = replace(links, rotor=rotor)
+            links = replace(links, rotor=sum(t.value for t in result.terms if t.taken and t.kind == ROTOR))
             if poor := unusable(result.best):
                 links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))
             write_text(folder / "arm.urdf", urdf(links, result.arm))
@@ -137,18 +136,9 @@ def render_page(
     paths = (package.parent / "report" / "report.css", package / "page.css")
     style = Markup("".join(path.read_text(encoding="utf-8") for path in paths))
     jinja = environment(package)
-    jinja.filters |= {
-        "unit": lambda text: unit(text).md,
-        "symbols": symbols,
-        "sentence": sentence,
-        "term": text.term_line,
-        "rounded": tables.rounded,
-        "percent": tables.percent,
-        "significant": tables.significant,
-        "rows": text.self_test_rows,
-        "spread": text.spread_rows,
-        "conclusion": text.self_test_verdict,
-    }
+    own = (symbols, sentence, text.term_line, text.self_test_rows, text.self_test_verdict, text.spread_rows)
+    filters = (*own, tables.rounded, tables.percent, tables.significant)
+    jinja.filters |= {each.__name__: each for each in filters} | {"unit": lambda text: unit(text).md}
     return jinja.get_template("page.html").render(
         result=result,
         best=best,
@@ -159,7 +149,6 @@ def render_page(
         detection_limits=text.detection_limits(result),
         facts=[(name, [dict(log.facts).get(name, "") for log in logs]) for name in facts],
         predictions=tables.predictions(best),
-        columns=tables.method_columns(result),
         blocks=tables.blocks(result),
         pictures={name: embedded(content, _SHOWN) for name, content in figures.items()},
         overlays=sum(name.startswith("overlay-") for name in figures),

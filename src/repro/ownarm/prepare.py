@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from repro.errors import InputError
+from repro.identification import filtering
 from repro.identification.calibration import (
     CANDIDATES,
     SCALE,
@@ -18,24 +19,7 @@ from repro.identification.calibration import (
     correct_calibration,
     find_calibration_errors,
 )
-from repro.identification.extra_terms import (
-    TERMS,
-    ExtraTerm,
-    find_terms,
-    subtract_terms,
-    term_columns,
-    values_of,
-)
-from repro.identification.filtering import (
-    FILTERS,
-    MAX_DELAY,
-    Cutoff,
-    FilterSettings,
-    choose_cutoff,
-    choose_steepness,
-    estimate_delay,
-    prepare,
-)
+from repro.identification.extra_terms import TERMS, ExtraTerm, find_terms, subtract_terms, term_columns, values_of
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined
 from repro.identification.scores import unexplained
@@ -64,8 +48,8 @@ class Options:
 
     def __post_init__(self) -> None:
         """Refuse what the command line refuses, too."""
-        if not isinstance(self.filter, str) or self.filter not in FILTERS:
-            raise InputError.at("filter", repr(self.filter), f"one of {', '.join(FILTERS)}")
+        if not isinstance(self.filter, str) or self.filter not in filtering.FILTERS:
+            raise InputError.at("filter", repr(self.filter), f"one of {', '.join(filtering.FILTERS)}")
         limits: tuple[tuple[str, Any, float, float], ...] = (
             ("cutoff", (int, float, np.number), 0.1, 1000.0),
             ("seed", (int, np.integer), 0, 2**32 - 1),
@@ -100,8 +84,8 @@ class PreparedLog:
     loaded: LoadedLog  # with calibration errors corrected and friction subtracted
     recorded: Log  # as it was loaded
     regression: Regression  # methods are evaluated on it; `_finish` leaves out joints that never move
-    settings: FilterSettings  # filters and delay
-    cutoff: Cutoff  # how the cut-off was chosen
+    settings: filtering.FilterSettings  # filters and delay
+    cutoff: filtering.Cutoff  # how the cut-off was chosen
     delay_error: float  # standard error of the delay, s
     faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
     hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits, see `calibration_limits`
@@ -119,14 +103,14 @@ class PreparedLog:
         """Terms that were subtracted from the torque."""
         return [term for term in self.terms if term.taken]
 
-    def change(self, **changes: Any) -> "PreparedLog":  # noqa: ANN401
-        """Replace other fields, and filter the log with them."""
-        changed = replace(self, **changes)
-        return replace(changed, regression=prepare(changed.loaded.log, changed.settings))
+    def change(self, log: Log, **changes: Any) -> "PreparedLog":  # noqa: ANN401
+        """Replace the log and other fields, and filter it with them."""
+        changed = replace(self, loaded=replace(self.loaded, log=log), **changes)
+        return replace(changed, regression=filtering.prepare(log, changed.settings))
 
     def delayed(self, delay: float, error: float) -> "PreparedLog":
         """Replace the delay and its standard error."""
-        return self.change(settings=replace(self.settings, delay=delay), delay_error=error)
+        return self.change(self.loaded.log, settings=replace(self.settings, delay=delay), delay_error=error)
 
 
 def load_log(source: Source, arm: Arm) -> LoadedLog:
@@ -145,15 +129,13 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
 GIVEN = "given by the user"
 
 
-def check_rate(log: Log, cutoff: Cutoff) -> None:
+def check_rate(log: Log, cutoff: filtering.Cutoff) -> None:
     """Refuse a log that is sampled too slowly for the cut-off."""
-    rate = 1.0 / period(log)
-    if cutoff.hertz > 0.25 * rate:
+    rate, hertz = f"{1.0 / period(log):.4g} Hz", f"{cutoff.hertz:.3g} Hz"
+    if cutoff.hertz > 0.25 * (1.0 / period(log)):
         if cutoff.reason == GIVEN:
-            expected = f"at most a quarter of the {rate:.4g} Hz of {log.name}"
-            raise InputError.at("cutoff", f"{cutoff.hertz:.3g} Hz", expected)
-        expected = f"at least four times the cut-off of {cutoff.hertz:.3g} Hz"
-        raise InputError.at(f"{log.name}: rate", f"{rate:.4g} Hz", expected)
+            raise InputError.at("cutoff", hertz, f"at most a quarter of the {rate} of {log.name}")
+        raise InputError.at(f"{log.name}: rate", rate, f"at least four times the cut-off of {hertz}")
 
 
 @dataclass(frozen=True)
@@ -168,13 +150,13 @@ class _Common:
 
 def _choose_settings(
     log: Log, arm: Arm, options: Options, common: _Common | None = None
-) -> tuple[FilterSettings, Cutoff, float]:
+) -> tuple[filtering.FilterSettings, filtering.Cutoff, float]:
     """Choose cut-off, lambda and delay where they are not given; also the standard error of the delay."""
     even_odd = any(METHODS[name].needs_even_odd for name in options.methods if name in METHODS)
-    settings = FilterSettings(name=options.filter, delay=arm.delay or 0.0, even_odd=even_odd)
+    settings = filtering.FilterSettings(name=options.filter, delay=arm.delay or 0.0, even_odd=even_odd)
     if arm.friction_steepness is not None:
         settings = replace(settings, friction_steepness=arm.friction_steepness)
-    chosen = choose_cutoff(log, settings)
+    chosen = filtering.choose_cutoff(log, settings)
     if options.cutoff is not None:
         chosen = replace(chosen, hertz=options.cutoff, reason=GIVEN)
     elif common is not None and common.hertz < chosen.hertz:
@@ -182,19 +164,15 @@ def _choose_settings(
     settings = replace(settings, cutoff=chosen.hertz)
     check_rate(log, chosen)
     if arm.friction_steepness is None:
-        settings = replace(settings, friction_steepness=choose_steepness(log, settings))
+        settings = replace(settings, friction_steepness=filtering.choose_steepness(log, settings))
     if arm.delay is not None:
         return settings, chosen, 0.0
-    delay, error = (common.delay, common.delay_error) if common else estimate_delay(log, settings)
+    delay, error = (common.delay, common.delay_error) if common else filtering.estimate_delay(log, settings)
     return replace(settings, delay=delay), chosen, error
 
 
 def _correct(
-    loaded: LoadedLog,
-    arm: Arm,
-    options: Options,
-    others: Sequence[Regression] = (),
-    common: _Common | None = None,
+    loaded: LoadedLog, arm: Arm, options: Options, others: Sequence[Regression] = (), common: _Common | None = None
 ) -> PreparedLog:
     """Correct the calibration errors of a log; regressions of other logs of the arm reveal some and contradict some."""
     recorded = loaded.log
@@ -206,7 +184,7 @@ def _correct(
         faults = find_calibration_errors(recorded, settings, others, names)
         loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
         settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, common)
-    return PreparedLog(loaded, recorded, prepare(loaded.log, settings), settings, chosen, delay_error, faults)
+    return PreparedLog(loaded, recorded, filtering.prepare(loaded.log, settings), settings, chosen, delay_error, faults)
 
 
 def _finish(
@@ -216,8 +194,7 @@ def _finish(
     hidden = calibration_limits(log.loaded.log, log.settings, log.faults, others)
     log = replace(log, hidden=hidden, terms=terms, load=load)
     if log.taken:
-        left = subtract_terms(log.loaded.log, log.settings, load, log.taken)
-        log = log.change(loaded=replace(log.loaded, log=left))
+        log = log.change(subtract_terms(log.loaded.log, log.settings, load, log.taken))
     log = replace(log, regression=drop_idle_joints(log.regression))
     return replace(log, doubt=_interval_doubt(log.loaded.log, log.moving, log.settings.delay, arm))
 
@@ -233,7 +210,7 @@ FRICTION = slice(NAMES.index("b1"), None)
 
 def delay_at_limit(delay: float) -> bool:
     """Whether a delay is at the end of the search range."""
-    return abs(delay) >= 0.99 * MAX_DELAY
+    return abs(delay) >= 0.99 * filtering.MAX_DELAY
 
 
 def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str:
@@ -281,11 +258,8 @@ def _estimate_delay_again(logs: Sequence[PreparedLog], terms: Sequence[ExtraTerm
     again = []
     for log in logs:
         columns = term_columns(TERMS, log.loaded.log, log.settings, load, terms)
-        again.append(log.delayed(*estimate_delay(log.loaded.log, log.settings, columns)))
-    if len(logs) == 1:
-        return again
-    common = _common_delay(again)
-    return [log.delayed(*common) for log in again]
+        again.append(log.delayed(*filtering.estimate_delay(log.loaded.log, log.settings, columns)))
+    return again if len(logs) == 1 else [log.delayed(*_common_delay(again)) for log in again]
 
 
 #: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
@@ -294,7 +268,7 @@ COMPARED_ERROR, DECISIVE = 0.05, 4.0
 
 def mean_scale(logs: Sequence[PreparedLog]) -> float | None:
     """Mean scale of the torque of joint 2 of the logs that have one; None without any."""
-    values = [values_of(log.faults)[SCALE] for log in logs if SCALE in values_of(log.faults)]
+    values = [fault.value for log in logs for fault in log.faults if fault.name == SCALE]
     return float(np.mean(values)) if values else None
 
 
@@ -309,13 +283,6 @@ def wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
     sd = np.hypot(prior.sd, COMPARED_ERROR * prior.mean)[compared]
     second, first = (float(np.sum(((size * beta - prior.mean)[compared] / sd) ** 2)) for size in (1.0, factor))
     return None if abs(second - first) < DECISIVE else 1 if first < second else 2
-
-
-def _blame_joint_1(log: PreparedLog) -> PreparedLog:
-    """Correct the torque of joint 1 instead of that of joint 2."""
-    faults = blame_joint_1(log.faults)
-    right = correct_calibration(log.recorded, values_of(faults))
-    return log.change(faults=faults, loaded=replace(log.loaded, log=right))
 
 
 def _find_terms(logs: Sequence[PreparedLog], options: Options) -> tuple[tuple[ExtraTerm, ...], Array]:
@@ -357,7 +324,9 @@ def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple
         remaining.remove(most)
     moving, factor = joined([log.moving for log in corrected]), mean_scale(corrected)
     if factor is not None and wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
-        corrected = [_blame_joint_1(log) for log in corrected]
+        for k, log in enumerate(corrected):
+            faults = blame_joint_1(log.faults)
+            corrected[k] = log.change(correct_calibration(log.recorded, values_of(faults)), faults=faults)
     terms, load = _find_terms(corrected, options)
     if arm.delay is None and (taken := [term for term in terms if term.taken]):
         corrected = _estimate_delay_again(corrected, taken, load)

@@ -30,9 +30,9 @@ def read_result(place: str, content: Any) -> list[dict[str, Any]]:  # noqa: ANN4
     place = f"{place}: methods[{index}].parameters"
     if len(parameters) != len(NAMES):
         raise InputError.at(place, f"{len(parameters)} parameters", f"{len(NAMES)}: {', '.join(NAMES)}")
-    for k, (parameter, name, unit) in enumerate(zip(parameters, NAMES, UNITS, strict=True)):
+    for k, parameter in enumerate(parameters):
         row = parameter if isinstance(parameter, dict) else {}
-        for key, wanted in (("name", name), ("unit", unit)):
+        for key, wanted in (("name", NAMES[k]), ("unit", UNITS[k])):
             if row.get(key) != wanted:
                 raise InputError.at(f"{place}[{k}].{key}", ascii(row.get(key))[:60], repr(wanted))
         _number(f"{place}[{k}].estimate", row.get("estimate"), -LARGEST)
@@ -45,10 +45,10 @@ def read_prior(source: str | Path | Mapping[str, Any]) -> Prior:
     mean, sd = np.zeros(len(NAMES)), np.full(len(NAMES), np.inf)
     if isinstance(content, Mapping) and "methods" in content:
         for k, parameter in enumerate(read_result(place, content)):
-            low, high = (parameter.get(end) for end in ("low", "high"))
-            if low is not None and high is not None:
-                ends = [_number(f"{place}: {NAMES[k]}.{end}", parameter[end], -LARGEST) for end in ("low", "high")]
-                mean[k], sd[k] = parameter["estimate"], max((ends[1] - ends[0]) / (2.0 * HALF_95), SMALLEST_SD)
+            ends = {end: parameter.get(end) for end in ("low", "high")}
+            if None not in ends.values():
+                low, high = (_number(f"{place}: {NAMES[k]}.{end}", x, -LARGEST) for end, x in ends.items())
+                mean[k], sd[k] = parameter["estimate"], max((high - low) / (2.0 * HALF_95), SMALLEST_SD)
     elif isinstance(content, Mapping):
         for name, entry in content.items():
             if name not in NAMES:

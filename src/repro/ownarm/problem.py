@@ -6,34 +6,18 @@ from functools import cached_property
 
 import numpy as np
 
+from repro.identification import uncertainty
 from repro.identification.calibration import CALIBRATION, correct_calibration
 from repro.identification.excitation import Identifiability, excitation
 from repro.identification.extra_terms import TERMS, subtract_terms, term_columns, values_of
 from repro.identification.filtering import prepare
 from repro.identification.regression import Prior, Regression, joined, mean_variance
 from repro.identification.solve import solve
-from repro.identification.uncertainty import (
-    Perturbation,
-    WeightedLog,
-    attach_prior,
-    join_filtered,
-    of_each_log,
-    perturbations,
-    project_out,
-    unmodelled_effects,
-)
+from repro.identification.uncertainty import Perturbation, WeightedLog
 from repro.logs.armfile import Arm
 from repro.logs.log import Log
 from repro.model.parameters import Array
-from repro.ownarm.prepare import (
-    LoadedLog,
-    Options,
-    PreparedLog,
-    check_rate,
-    mean_scale,
-    prepare_logs,
-    wrong_torque,
-)
+from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, check_rate, mean_scale, prepare_logs, wrong_torque
 from repro.ownarm.prior import with_plane
 
 #: Name of the perturbation that corrects the torque of joint 1 instead of that of joint 2, if either may be wrong.
@@ -59,10 +43,8 @@ class IdentificationProblem:
         pairs = []
         for log in self.logs if len(self.logs) > 1 else ():
             others = [other for other in self.logs if other is not log]
-            if self.prior is not None:
-                rest = join_logs(others, self.prior)[0]
-            else:
-                rest = joined([other.moving for other in others], _weights(others))
+            moving = [other.moving for other in others]
+            rest = join_logs(others, self.prior)[0] if self.prior else joined(moving, _weights(others))
             if excitation(rest).rank == self.excited.rank:
                 pairs.append((log, rest))
         return tuple(pairs)
@@ -105,23 +87,23 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
     # The values of what was subtracted have errors, so that its columns are projected out.
     whole = joined([log.moving for log in logs], weights)
     subtracted = _subtracted_columns(whole, pairs)
-    moving = project_out(whole, subtracted)
-    as_good = perturbations(weighted, whole, max(log.delay_error for log in logs))
+    moving = uncertainty.project_out(whole, subtracted)
+    as_good = uncertainty.perturbations(weighted, whole, max(log.delay_error for log in logs))
     if any(log.faults for log in logs):
         beta = solve(moving.y, moving.tau)
         columns = [
             log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults) for log, one in pairs
         ]
-        both = np.concatenate([subtracted, of_each_log(columns)], axis=-1)
-        as_good["set-up"] = Perturbation((project_out(whole, both),))
+        both = np.concatenate([subtracted, uncertainty.of_each_log(columns)], axis=-1)
+        as_good["set-up"] = Perturbation((uncertainty.project_out(whole, both),))
         recorded = [replace(log, log=one.recorded) for log, one in pairs]
-        instead = unmodelled_effects(recorded, join_filtered(recorded), whole)
+        instead = uncertainty.unmodelled_effects(recorded, uncertainty.join_filtered(recorded), whole)
         as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
         factor = mean_scale(logs)
         if factor is not None and wrong_torque(prior, beta, factor) is None:
             scaled = moving.change(lambda y: y / factor)
             as_good[SCALE_OF_JOINT_1] = Perturbation((scaled,), rival=True)
-    return (moving, as_good) if prior is None else attach_prior(prior, moving, as_good)
+    return (moving, as_good) if prior is None else uncertainty.attach_prior(prior, moving, as_good)
 
 
 def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:

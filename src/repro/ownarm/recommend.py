@@ -65,12 +65,9 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
 
 def compare_networks(methods: Sequence[MethodResult], networks: Sequence[str]) -> tuple[MethodResult, ...]:
     """Add a note to each method that runs a network: its validation error against the best of the others."""
-    others = [m for m in methods if m.method not in networks and m.validation]
-    if not others:
-        return tuple(methods)
-    best = min(others, key=prediction_error)
+    best = min((m for m in methods if m.method not in networks and m.validation), key=prediction_error, default=None)
     return tuple(
-        replace(m, notes=(*m.notes, _comparison(m, best))) if m.method in networks and m.validation else m
+        replace(m, notes=(*m.notes, _comparison(m, best))) if best and m.method in networks and m.validation else m
         for m in methods
     )
 
@@ -91,16 +88,9 @@ def warnings(
 ) -> tuple[str, ...]:
     """List what may spoil the result as a whole, one line each: first what an option or the arm file can change."""
     best = next(m for m in methods if m.method == recommended)
-    return (
-        *_unusable(methods, best),
-        *contradicted(problem, best),
-        *odd_delay(problem),
-        *undriven(problem, best),
-        *disagreeing(problem, best),
-        *_poor_scores(best),
-        *_poor_excitation(excitation, best),
-        *_short(problem),
-    )
+    can_be_changed = (*_unusable(methods, best), *contradicted(problem, best), *odd_delay(problem))
+    of_logs = (*undriven(problem, best), *disagreeing(problem, best), *_poor_scores(best))
+    return (*can_be_changed, *of_logs, *_poor_excitation(excitation, best), *_short(problem))
 
 
 def unusable(method: MethodResult) -> str:
@@ -121,16 +111,12 @@ def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[s
 def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
     """Warn of a prior that the log contradicts."""
     prior = problem.prior
-    if prior is None:
-        return
-    for k in prior.informative:
+    for k in prior.informative if prior else ():
         p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
         inside = p.low is not None and p.high is not None and p.low <= mean <= p.high
         if abs(p.estimate - mean) > CONTRADICTION * sd and not inside:
-            yield (
-                f"the log contradicts the prior of {p.name}: {mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes "
-                f"{p.estimate:.4g}; check the prior, or leave {p.name} out of it"
-            )
+            found = f"{mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes {p.estimate:.4g}"
+            yield f"the log contradicts the prior of {p.name}: {found}; check the prior, or leave {p.name} out of it"
 
 
 def wrong_length(method: MethodResult, arm: Arm) -> Iterator[str]:
@@ -151,31 +137,27 @@ def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[s
     """Warn of joints without torque in a log."""
     beta = np.array([parameter.estimate for parameter in method.parameters])
     for log in problem.logs:
-        for joint, has in enumerate(driven(log.regression, beta), start=1):
-            if not has:
-                yield (
-                    f"joint {joint} has next to no torque in {log.loaded.log.name}: either the other joint moves it or "
-                    f"its torque was not recorded (arm file: columns.tau{joint}); its error is relative to the torques "
-                    "that should cancel"
-                )
+        for joint in np.flatnonzero(~driven(log.regression, beta)) + 1:
+            yield (
+                f"joint {joint} has next to no torque in {log.loaded.log.name}: either the other joint moves it or "
+                f"its torque was not recorded (arm file: columns.tau{joint}); its error is relative to the torques "
+                "that should cancel"
+            )
 
 
 def _poor_excitation(excitation: Excitation, method: MethodResult) -> Iterator[str]:
     if excitation.rank < 9:
         yield f"the motion determines only {excitation.rank} combinations of the nine parameters: {EXCITE}"
     elif excitation.condition > CONDITION:
-        yield (
-            f"the motion hardly distinguishes the parameters (condition number {excitation.condition:.3g}): {EXCITE}"
-        )
+        found = f"condition number {excitation.condition:.3g}"
+        yield f"the motion hardly distinguishes the parameters ({found}): {EXCITE}"
     for joint, correlation in enumerate(excitation.friction_correlation, start=1):
         parameters = (method.parameters[4 + joint], method.parameters[6 + joint])
         known = all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in parameters)
         if abs(correlation) > CORRELATION and not known:
-            yield (
-                f"viscous and Coulomb friction of joint {joint} are hard to distinguish "
-                f"(correlation {correlation:.2f}): record slow and fast motion in one log, or give "
-                f"{option('method', 'parsimonious')}"
-            )
+            found = f"viscous and Coulomb friction of joint {joint} are hard to distinguish"
+            remedy = f"record slow and fast motion in one log, or give {option('method', 'parsimonious')}"
+            yield f"{found} (correlation {correlation:.2f}): {remedy}"
 
 
 def _poor_scores(method: MethodResult) -> Iterator[str]:
@@ -194,10 +176,8 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
         )
     worst = max((max(s.relative_rms) for s in method.validation), default=0.0)
     if worst > max(WORSE * fit, SMALL):
-        yield (
-            f"on the validation logs the torque error reaches {100 * worst:.3g} %, on the fitted log "
-            f"{100 * fit:.3g} %: the logs excite different effects; fit both, and validate on a third"
-        )
+        found = f"reaches {100 * worst:.3g} %, on the fitted log {100 * fit:.3g} %: the logs excite different effects"
+        yield f"on the validation logs the torque error {found}; fit both, and validate on a third"
     half = max((max(s.relative_rms) for s in method.halves if s.log in HALVES), default=0.0)
     if half > max(WORSE * fit, SMALL):
         yield (
@@ -215,10 +195,8 @@ def disagreeing(problem: IdentificationProblem, method: MethodResult) -> Iterato
     log, predicted = next(log for log in problem.logs if log.loaded.name == worst.log), max(worst.relative_rms)
     own = max(relative_rms(log.regression, solve(log.moving.y, log.moving.tau)))
     if predicted > max(WORSE * own, SMALL):
-        yield (
-            f"the log {worst.log} disagrees with the others: its torque error is {100 * predicted:.3g} % "
-            f"predicted from them, and {100 * own:.3g} % fitted alone; leave it out if the arm changed"
-        )
+        found = f"its torque error is {100 * predicted:.3g} % predicted from them, and {100 * own:.3g} % fitted alone"
+        yield f"the log {worst.log} disagrees with the others: {found}; leave it out if the arm changed"
 
 
 def _short(problem: IdentificationProblem) -> Iterator[str]:
@@ -233,10 +211,8 @@ def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
         where = f" in {log.loaded.log.name}" if len(problem.logs) > 1 else ""
         delay = f"{1e3 * log.settings.delay:.3g} ms"
         if delay_at_limit(log.settings.delay):
-            yield (
-                f"the delay of the torque{where} is at the end of the search range ({delay}): check the time stamps, "
-                "then give delay (s) in the arm file"
-            )
+            found = f"at the end of the search range ({delay}): check the time stamps"
+            yield f"the delay of the torque{where} is {found}, then give delay (s) in the arm file"
         elif log.settings.delay < EARLY:
             yield (
                 f"the delay of the torque{where} is {delay}, as if it acted before it was recorded: either the stamps "

@@ -20,7 +20,7 @@ from repro.identification.regression import joined
 from repro.identification.scores import relative_rms
 from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
-from repro.logs.log import Log, period, segments, uniform
+from repro.logs.log import period, segments, uniform
 from repro.logs.torque_limits import quantisation_step
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
@@ -61,15 +61,11 @@ def inverse_errors(errors: Mapping[str, float]) -> dict[str, float]:
     return {name: -value * factors.get(name, 1.0) for name, value in errors.items()} | scales
 
 
-def _from_zero(log: Log) -> Log:
-    return replace(log, t=log.t - log.t[0])
-
-
 def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) -> LoadedLog:
     """Simulate the recording of a log, or of its longest piece, with an arm of known parameters."""
-    s, log = prepared.settings, _from_zero(prepared.loaded.log.longest)
-    pieces = segments(prepared.loaded.recorded or prepared.loaded.log)
-    piece = _from_zero(max(pieces, key=lambda one: one.t.size))
+    s, pieces = prepared.settings, segments(prepared.loaded.recorded or prepared.loaded.log)
+    longest = prepared.loaded.log.longest, max(pieces, key=lambda one: one.t.size)
+    log, piece = (replace(one, t=one.t - one.t[0]) for one in longest)
     even, h, top = uniform(piece), period(log), motion_cutoff(s, period(log))
     moved = smooth_motion(log.q, h, s)
     acting = CubicSpline(log.t, regressor(*moved, s.friction_steepness) @ beta, axis=1)
@@ -105,11 +101,9 @@ def self_test(
         inside.append((spread.low <= beta) & (beta <= spread.high) & claimed[-1])
         errors.append(relative_rms(joined([log.regression for log in logs]), estimate.beta))
         report("self-test", draw + 1, DRAWS)
-    real = relative_rms(problem.regression, beta)
-    error1, error2 = error = np.median(errors, axis=0)
-    noise1, noise2 = np.minimum(np.divide(error, real, out=np.ones(2), where=np.array(real) > 0.0) ** 2, 1.0).tolist()
+    real, error = relative_rms(problem.regression, beta), np.median(errors, axis=0)
+    noise = np.minimum(np.divide(error, real, out=np.ones(2), where=np.array(real) > 0.0) ** 2, 1.0)
     columns = (beta, np.median(betas, 0), np.min(betas, 0), np.max(betas, 0), np.sum(inside, 0), np.sum(claimed, 0))
-    rows = zip(NAMES, *(column.tolist() for column in columns), strict=True)
-    parameters = tuple(RecoveredParameter(*row) for row in rows)
-    wrong = min(noise1, noise2) < NOISE
-    return SelfTest(method.name, DRAWS, parameters, (float(error1), float(error2)), real, (noise1, noise2), wrong)
+    parameters = tuple(map(RecoveredParameter, NAMES, *(column.tolist() for column in columns)))
+    wrong = bool(noise.min() < NOISE)
+    return SelfTest(method.name, DRAWS, parameters, tuple(error.tolist()), real, tuple(noise.tolist()), wrong)

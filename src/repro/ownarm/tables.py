@@ -37,11 +37,8 @@ def parameters_table(result: Result) -> pd.DataFrame:
 
 def runs_table(result: Result) -> pd.DataFrame:
     """Tabulate the parameters from each log alone, a row each, with their range and agreement over the logs."""
-    rows = [
-        (escape_formula(run.log), *_row(run.parameters[k]), spread.range, spread.agree)
-        for k, spread in enumerate(result.spread)
-        for run in result.runs
-    ]
+    pairs = [(run, k, spread) for k, spread in enumerate(result.spread) for run in result.runs]
+    rows = [(escape_formula(run.log), *_row(run.parameters[k]), row.range, row.agree) for run, k, row in pairs]
     return pd.DataFrame(rows, columns=["log", *PARAMETER_COLUMNS[1:], "range", "agree"])
 
 
@@ -87,17 +84,8 @@ def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
     return [(_HEADINGS[part].format(score.log), _texts(score)) for part, score in ordered]
 
 
-def method_columns(result: Result) -> list[tuple[str, str, str, list[str]]]:
-    """Give the parameters side by side: name, unit, description and the estimate of each method."""
-    rows = zip(*(method.parameters for method in result.methods), strict=True)
-    return [(row[0].name, row[0].unit, row[0].description, [rounded(p).with_error for p in row]) for row in rows]
-
-
 def blocks(result: Result) -> list[Block]:
-    """Give the scores side by side, a block for each log.
-
-    The best of a column is marked for predictions only, not for the fit, and only if the rounded numbers differ.
-    """
+    """Give the scores side by side, a block for each log; the best is marked, except of the fit and of equals."""
     filled = []
     for kind, heading in _HEADINGS.items():
         scores = [[(method, score) for part, score in method.scores if part == kind] for method in result.methods]
@@ -144,10 +132,8 @@ class Rounded:
     @property
     def with_error(self) -> str:
         """Estimate and standard error in one text."""
-        if not self.error:
-            return self.estimate + self.power
-        text = f"{self.estimate} ± {self.error}"
-        return f"({text}){self.power}" if self.power else text
+        text = f"{self.estimate} ± {self.error}" if self.error else self.estimate
+        return f"({text}){self.power}" if self.error and self.power else text + self.power
 
     @property
     def interval(self) -> str:
@@ -160,8 +146,7 @@ def rounded(parameter: Parameter) -> Rounded:
     estimate, error = parameter.estimate, parameter.standard_error
     values = (estimate, error, parameter.low, parameter.high)
     if not all(value is None or math.isfinite(value) for value in values):
-        shown, spread, low, high = ("" if value is None else significant(value) for value in values)
-        return Rounded(shown, spread, low, high, "")
+        return Rounded(*("" if value is None else significant(value) for value in values), "")
     largest = max(abs(estimate), error or 0.0)
     last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)
     (shown, spread, low, high), times = _print(values, _power(largest) if largest > 0.0 else 0, last)
