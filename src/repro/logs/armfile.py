@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -25,13 +25,6 @@ Kind = Literal["time", "position", "velocity", "torque"]
 _LARGEST, _SMALLEST = 1e9, 1e-6
 
 
-def _apart(pair: tuple[float, float]) -> tuple[float, float]:
-    if pair[1] - pair[0] < _SMALLEST:
-        least = f"ends {_SMALLEST:g} and more apart" if pair[0] < pair[1] else "the lower one first"
-        raise PydanticCustomError("range", least)
-    return pair
-
-
 def _radians(angle: float) -> float:
     if abs(angle) > 2.0 * np.pi:
         converted = f"if it is in degrees: {np.radians(angle):.5g}"
@@ -39,29 +32,32 @@ def _radians(angle: float) -> float:
     return angle
 
 
-def _sign(value: float) -> float:
-    if abs(value) != 1.0:
-        raise PydanticCustomError("sign", "two numbers, each 1 or -1")
-    return value
+def _only(allowed: Callable[[Any], bool], expected: str) -> AfterValidator:
+    """Allow some values only."""
 
+    def checked(value: object) -> object:
+        if not allowed(value):
+            raise PydanticCustomError("value", expected)
+        return value
 
-def _not_zero(value: float) -> float:
-    if abs(value) < _SMALLEST:
-        raise PydanticCustomError("constant", f"two numbers other than 0, with magnitudes of {_SMALLEST:g} and more")
-    return value
+    return AfterValidator(checked)
 
 
 _Both = Field(strict=False)  # a list, too
 _Text = Annotated[str, Field(min_length=1)]
 _Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
 _Positive = Annotated[float, Field(ge=_SMALLEST, le=_LARGEST)]
-_Sign = Annotated[_Number, AfterValidator(_sign)]
-_Constant = Annotated[_Number, AfterValidator(_not_zero)]
+_Sign = Annotated[_Number, _only(lambda value: abs(value) == 1.0, "two numbers, each 1 or -1")]
+_ENOUGH = f"two numbers other than 0, with magnitudes of {_SMALLEST:g} and more"
+_Constant = Annotated[_Number, _only(lambda value: abs(value) >= _SMALLEST, _ENOUGH)]
 _Angle = Annotated[_Number, AfterValidator(_radians)]
-_Range = Annotated[tuple[_Number, _Number], _Both, AfterValidator(_apart)]
+_rising = _only(lambda pair: pair[0] < pair[1], "the lower one first")
+_apart = _only(lambda pair: pair[1] - pair[0] >= _SMALLEST, f"ends {_SMALLEST:g} and more apart")
+_Range = Annotated[tuple[_Number, _Number], _Both, _rising, _apart]
 _TwoPositive = Annotated[tuple[_Positive, _Positive], _Both]
 _TwoSigns = Annotated[tuple[_Sign, _Sign], _Both]
 _TwoRanges = Annotated[tuple[_Range, _Range], _Both]
+_different = _only(lambda names: len(set(names.values())) == len(names), "a different column for each signal")
 _Automatic = BeforeValidator(lambda value: None if value == "auto" else value)
 
 
@@ -74,12 +70,6 @@ class Units(TypedDict, total=False):
     position: Literal["rad", "deg", "counts"]
     velocity: Literal["rad/s", "deg/s", "rpm", "counts/s"]
     torque: Literal["N m", "mN m", "N cm", "A", "mA", "counts"]
-
-
-def _columns(headers: dict[Signal, str]) -> dict[Signal, str]:
-    if len(set(headers.values())) < len(headers):
-        raise PydanticCustomError("columns", "a different column for each signal")
-    return headers
 
 
 with Path(__file__).with_name("arm_keys.csv").open(encoding="utf-8") as _file:
@@ -130,7 +120,7 @@ class Arm:
     """
 
     name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+\Z")] = _key("name", "arm")
-    columns: Annotated[dict[Signal, _Text], AfterValidator(_columns)] = _key("columns", default_factory=dict)
+    columns: Annotated[dict[Signal, _Text], _different] = _key("columns", default_factory=dict)
     topic: _Text | None = _key("topic")
     units: Units = _key("units", default_factory=Units)
     counts_per_turn: _TwoPositive | None = _key("counts_per_turn")

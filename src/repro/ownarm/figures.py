@@ -21,16 +21,12 @@ from repro.ownarm.result import Curves, Parameter, Result, Signals
 
 #: Dots per inch: 1432 pixels for the width of a page.
 DPI = 200
-
 #: Colours of a picture; lines and their soft edges need no more, and the file is a third as large.
 _COLOURS = 96
-
 #: Methods whose curves are drawn: the recommended one and the first of the others.
 MOST_METHODS = 3
-
 #: Logs whose curves are drawn, so that the page stays light.
 MOST_LOGS = 8
-
 #: How methods are drawn, in the order in which the figures name them: each differs from its neighbours in colour,
 #: dash and mark.
 STROKES: Final[tuple[dict[str, Any], ...]] = (
@@ -45,22 +41,16 @@ STROKES: Final[tuple[dict[str, Any], ...]] = (
     {"color": "#b0476f", "linestyle": (0, (5.0, 1.0, 1.0, 1.0, 1.0, 1.0)), "linewidth": 1.1},
 )
 MARKS: Final = ("o", "s", "D", "^", "v", "P", "X", "*", "h")
-
 #: The close-up shows this part of the log, but at least so many seconds.
 _CLOSE_UP_PART, _CLOSE_UP_LEAST = 1 / 8, 2.0
-
 #: A spectrum is shown down to this part of its largest amplitude.
 _FLOOR = 1e-4
-
 #: A frequency axis of fewer decades also names 2 and 5 of each.
 _MOST_DECADES = 3.0
-
 #: Frequencies shown of the choice of the cut-off, over the highest that could have been chosen.
 _CUTOFF_VIEW = 2.0
-
 #: Panels by row: inertia; gravity, viscous and Coulomb friction of joint 1; the same of joint 2.
 PANELS: Final = (("I1", "I2", "I3"), ("g1", "b1", "k1"), ("g2", "b2", "k2"))
-
 #: A panel reaches this many median deviations of its points from their median; an arrow marks a point outside.
 _REACH = 12.0
 
@@ -108,31 +98,31 @@ def label(title: str) -> str:
 
 def _legend(figure: Figure, axes: Axes, simulated: bool) -> None:
     """Put the legend above all panels, and over it that the log is simulated."""
-    entries = len(axes.get_legend_handles_labels()[0])
-    style.legend_above(figure, axes, min(entries, 4), style.SIMULATED if simulated else None)
+    columns = min(len(axes.get_legend_handles_labels()[0]), 4)
+    style.legend_above(figure, axes, columns, style.SIMULATED if simulated else None)
 
 
 def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = False) -> Figure:
     """Draw measured and rebuilt torque of both joints with the residual below, the whole log next to a close-up."""
     figure = style.new_figure(style.PAGE, 5.3)
     ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
-    grid = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios)
-    methods = list(titles)
-    start, end = _close_up(signals.t)
+    grid, methods = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios), list(titles)
+    length = float(signals.t[-1] - signals.t[0])
+    part = min(max(_CLOSE_UP_PART * length, _CLOSE_UP_LEAST), length)
+    start = float(np.clip(np.median(signals.t) - 0.5 * part, signals.t[0], signals.t[-1] - part))
+    end = start + part
     steps = np.diff(signals.t, prepend=signals.t[0])
     mask = np.where(steps > 3.0 * np.median(steps), np.nan, 1.0)  # no line crosses a gap of the log
     inside = (signals.t >= start) & (signals.t <= end)
-    for column, (shown, drawn) in enumerate(((signals.t >= signals.t[0], methods[:1]), (inside, methods))):
-        t = signals.t[shown]
-        for joint in range(2):
-            torque, residual = grid[2 * joint, column], grid[2 * joint + 1, column]
+    for joint, name in enumerate(JOINTS):
+        for column, (shown, drawn) in enumerate(((signals.t >= signals.t[0], methods[:1]), (inside, methods))):
+            t, (torque, residual) = signals.t[shown], grid[2 * joint : 2 * joint + 2, column]
             measured = (mask * signals.tau[joint])[shown]
             torque.plot(t, measured, label="Measured", **style.STROKES["actual"])
             for method in drawn:
                 rebuilt = (mask * signals.rebuilt[method][joint])[shown]
                 torque.plot(t, rebuilt, label=label(titles[method]), **stroke(titles, method))
                 residual.plot(t, measured - rebuilt, **stroke(titles, method))
-    for joint, name in enumerate(JOINTS):
         title = style.SERIES_LABELS[name]
         grid[2 * joint, 0].set_title(title)
         grid[2 * joint, 1].set_title(f"{title}, {start:.1f}{style.DASH}{end:.1f} s")
@@ -145,14 +135,6 @@ def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = 
     figure.align_ylabels(grid[:, 0])
     _legend(figure, grid[0, 1], simulated)
     return figure
-
-
-def _close_up(t: Array) -> tuple[float, float]:
-    """Find start and end of the close-up in the middle of the log, s."""
-    length = float(t[-1] - t[0])
-    part = min(max(_CLOSE_UP_PART * length, _CLOSE_UP_LEAST), length)
-    start = float(np.clip(np.median(t) - 0.5 * part, t[0], t[-1] - part))
-    return start, start + part
 
 
 def draw_spectra(signals: Signals, titles: Mapping[str, str], simulated: bool = False) -> Figure:
@@ -204,7 +186,7 @@ def draw_cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
     f = curve.frequency[shown]
     drawn = ((curve.position, MIN_SIGNAL_TO_NOISE), (curve.coherence, MIN_COHERENCE))
     for axes, (values, limit) in zip(panels, drawn, strict=True):
-        for joint, name in enumerate(("joint1", "joint2")):
+        for joint, name in enumerate(JOINTS):
             axes.plot(f, _above_zero(values[joint, shown]), label=style.SERIES_LABELS[name], **style.STROKES[name])
         axes.axhline(limit, label="Least that is kept", color="0.35", ls=(0, (1.2, 1.2)), lw=1.2)
         axes.axvline(curve.hertz, label=f"Cut-off, {curve.hertz:.3g} Hz", color="#8c1d04", ls=(0, (5, 2)), lw=1.2)
@@ -240,8 +222,8 @@ def _panel(axes: Axes, estimates: dict[str, Parameter], titles: dict[str, str]) 
     for place, (method, parameter) in enumerate(estimates.items()):
         colour = stroke(titles, method)["color"]
         if low <= parameter.estimate <= high:
-            look: dict[str, Any] = {"marker": MARKS[place % len(MARKS)], "fillstyle": "none" if place else "full"}
-            axes.plot(parameter.estimate, place, color=colour, ls="none", ms=4.0, zorder=3, **look)
+            mark, fill = MARKS[place % len(MARKS)], "none" if place else "full"
+            axes.plot(parameter.estimate, place, mark, color=colour, fillstyle=fill, ms=4.0, zorder=3)
             if parameter.low is not None and parameter.high is not None:
                 ends = max(parameter.low, low), min(parameter.high, high)
                 axes.plot(ends, (place, place), color=colour, lw=1.3, solid_capstyle="butt")
@@ -262,8 +244,8 @@ def _arrow(axes: Axes, value: float, place: int, right: bool, colour: str) -> No
     edge, inwards, mark, side = (1.0, -1, ">", "right") if right else (0.0, 1, "<", "left")
     transform = axes.get_yaxis_transform()
     axes.plot(edge, place, mark, color=colour, ms=4.0, transform=transform, clip_on=False, zorder=3)
-    where: dict[str, Any] = {"xycoords": transform, "xytext": (6 * inwards, 0), "textcoords": "offset points"}
-    axes.annotate(f"{value:.3g}", (edge, place), **where, ha=side, va="center", size=style.SMALL_SIZE, color=colour)
+    look: dict[str, Any] = {"ha": side, "va": "center", "size": style.SMALL_SIZE, "color": colour}
+    axes.annotate(f"{value:.3g}", (edge, place), (6 * inwards, 0), transform, "offset points", **look)
 
 
 def _view(estimates: list[Parameter]) -> tuple[float, float]:

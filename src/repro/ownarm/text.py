@@ -24,14 +24,12 @@ ALLOWED = (
 )
 #: Half an interval over the estimate: up to this the parameter is known.
 KNOWN = 0.5
-
 #: Cell without a number.
 NOTHING = "\N{EN DASH}"
 NOT_EXCITED = "not excited by this motion"
 FIXED = "not estimated: given as known"
 IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
 COMBINED = "determined in a combination only, see the base parameters"
-
 #: Warning where no single arm file is right for all logs.
 DIFFERENT_ERRORS = (
     "the logs have different calibration errors: no single arm file corrects them all. Either a zero was set again "
@@ -69,23 +67,18 @@ def verdict(
 def _round_up(share: float) -> str:
     """Give percent rounded up to one or two digits: 0.4, 3, 12."""
     percent = 100.0 * share
-    if percent >= 1.0:
-        return str(math.ceil(percent - 1e-9))
-    return f"{max(math.ceil(percent * 10.0 - 1e-9) / 10.0, 0.1):g}"
+    rounded = math.ceil(percent - 1e-9) if percent >= 1.0 else max(math.ceil(percent * 10.0 - 1e-9) / 10.0, 0.1)
+    return f"{rounded:g}"
 
 
 def inconsistency(beta: Array) -> str:
     """Name the conditions of `repro.model.parameters.is_positive_definite` that fail, with numbers."""
     i1, i2, i3 = beta[:3]
-    failing = []
-    if i3 <= 0.0 or i3 * (i1 - i3) <= 0.25 * i2**2:
-        failing.append(
-            f"the inertia matrix is not positive definite: I3 (I1 - I3) = {i3 * (i1 - i3):.3g} is not above "
-            f"I2^2 / 4 = {0.25 * i2**2:.3g}"
-        )
-    failing += [
-        f"{name} = {value:.3g} is negative" for name, value in zip(NAMES[5:], beta[5:], strict=True) if value < 0
-    ]
+    found, least = i3 * (i1 - i3), 0.25 * i2**2
+    failing = [f"{NAMES[k]} = {beta[k]:.3g} is negative" for k in range(5, 9) if beta[k] < 0]
+    if i3 <= 0.0 or found <= least:
+        numbers = f"I3 (I1 - I3) = {found:.3g} is not above I2^2 / 4 = {least:.3g}"
+        failing.insert(0, f"the inertia matrix is not positive definite: {numbers}")
     return "; ".join(failing)
 
 
@@ -130,10 +123,8 @@ def calibration_lines(
         before, after = 100.0 * fault.before, 100.0 * fault.after
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
     if lines and misread:
-        lines.append(
-            "this fit corrects it as the log is read now; try the other convention first: it may leave no error"
-        )
-        return tuple(lines)
+        remedy = "try the other convention first: it may leave no error"
+        return (*lines, f"this fit corrects it as the log is read now; {remedy}")
     if lines:
         lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
     if scale_open and any(fault.name == SCALE for fault in faults):
@@ -187,10 +178,11 @@ def term_line(term: ExtraTerm) -> str:
     of = "inertia of the rotor" if kind == ROTOR else "friction beyond Eq. 1"
     size = f"{of} of joint {joint}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "it is subtracted, which reduces" if term.taken else "it is not subtracted; that would reduce"
-    asked = not term.taken and kind != ROTOR and term.gain >= MIN_ERROR_REDUCTION
-    remedy = f": give {option('friction')}" if asked else ""
-    if kind == ROTOR and not term.taken:
+    remedy = ""
+    if not term.taken and kind == ROTOR:
         remedy = "; the intervals allow for it"
+    elif not term.taken and term.gain >= MIN_ERROR_REDUCTION:
+        remedy = f": give {option('friction')}"
     return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
@@ -216,13 +208,12 @@ def spread_rows(result: Result) -> list[tuple[str, ...]]:
     """Print a heading and a row for each parameter: together, each log alone, range, whether the intervals agree."""
     if not result.spread:
         return []
-    numbers = (str(k + 1) for k in range(len(result.runs)))
     words = {None: NOTHING, True: "yes", False: "no"}
-    rows = [
-        (f"{row.name}, {row.unit}", *(f"{x:.4g}" for x in (row.together, *row.estimates, row.range)), words[row.agree])
-        for row in result.spread
-    ]
-    return [("", "together", *numbers, "range", "agree"), *rows]
+    rows: list[tuple[str, ...]] = [("", "together", *map(str, range(1, len(result.runs) + 1)), "range", "agree")]
+    for row in result.spread:
+        numbers = [f"{x:.4g}" for x in (row.together, *row.estimates, row.range)]
+        rows.append((f"{row.name}, {row.unit}", *numbers, words[row.agree]))
+    return rows
 
 
 def self_test_rows(test: SelfTest) -> list[tuple[str, ...]]:
@@ -237,14 +228,12 @@ def self_test_rows(test: SelfTest) -> list[tuple[str, ...]]:
 def self_test_verdict(test: SelfTest) -> str:
     """Compare the errors of the synthetic logs with that of the log."""
     right, here = ("/".join(f"{100.0 * x:.1f}" for x in pair) for pair in (test.error, test.real))
-    noise = "/".join(f"{100.0 * x:.0f}" for x in test.noise)
     errors = f"if Eq. 1 were right, the torque error of joint 1/2 would be {right} %; it is {here} %"
-    if test.model_wrong:
-        return (
-            f"{errors}: noise explains {noise} % of its square. The model causes the rest: friction, flexibility or "
-            "calibration errors"
-        )
-    return f"{errors}: noise explains it, and there is no sign that Eq. 1 is wrong"
+    if not test.model_wrong:
+        return f"{errors}: noise explains it, and there is no sign that Eq. 1 is wrong"
+    noise = "/".join(f"{100.0 * x:.0f}" for x in test.noise)
+    rest = "The model causes the rest: friction, flexibility or calibration errors"
+    return f"{errors}: noise explains {noise} % of its square. {rest}"
 
 
 def summary(result: Result) -> str:
