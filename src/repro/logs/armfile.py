@@ -21,8 +21,7 @@ from repro.model.parameters import STANDARD_GRAVITY
 Signal = Literal["time", "q1", "q2", "dq1", "dq2", "tau1", "tau2"]
 Kind = Literal["time", "position", "velocity", "torque"]
 
-#: Largest number of an arm and smallest limit; their squares must not overflow.
-_LARGEST, _SMALLEST = 1e9, 1e-6
+_LARGEST, _SMALLEST = 1e9, 1e-6  # largest number of an arm and smallest limit; their squares must not overflow
 
 
 def _radians(angle: float) -> float:

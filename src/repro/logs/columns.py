@@ -63,11 +63,9 @@ _WORDS: Final[tuple[tuple[str, tuple[str, ...], str | None], ...]] = (
     ("tau", ("current", "cur"), "A"),
     ("tau", ("pwm",), "counts"),
 )
-#: Longest header that a message proposes as a column.
-_LONG_HEADER = 80
+_LONG_HEADER = 80  # longest header that a message proposes as a column
 
-#: Column of `repro decode` that states whether the simulated board made a recording.
-SIMULATED: Final = "simulated"
+SIMULATED: Final = "simulated"  # column of `repro decode` that states whether the simulated board made a recording
 
 _JOINT_0 = re.compile(r"(?<=\D)0(?=\D|$)")
 _BRACKETS = re.compile(r"(.+?)\s*[\[({]\s*([^\d\s].*?)\s*[\])}]\Z")

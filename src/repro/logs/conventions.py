@@ -22,24 +22,17 @@ _ERROR_RATIO = 0.4
 _GOOD_ERROR = 0.1
 #: or if it leaves the same, and only this one has a term of the wrong sign with this fraction of the torque.
 _SAME_RATIO, _NOTICEABLE_TERM = 1.0 + 1e-6, 0.15
-#: Ratio of such products up to which two conventions fit equally well.
-_EQUAL_RATIO = 1.1
-#: Residual above which a fit explains nothing.
-_USELESS_RESIDUAL = 0.6
-#: Fraction of a joint's squared torque above which what a fit leaves of it is most of it.
-_MOST = 0.5
+_EQUAL_RATIO = 1.1  # ratio of such products up to which two conventions fit equally well
+_USELESS_RESIDUAL = 0.6  # residual above which a fit explains nothing
+_MOST = 0.5  # fraction of a joint's squared torque above which what a fit leaves of it is most of it
 #: Fits, each with the joints weighted by the errors of the one before: the last has nearly the smallest product.
 _FITS = 4
-#: Squared error over squared torque that counts as none: a log without noise is explained to rounding.
-_EXACT = 1e-8
+_EXACT = 1e-8  # squared error over squared torque that counts as none: a log without noise is explained to rounding
 #: Singular values of the normal equations below this fraction of the largest count as zero, for unit columns.
 _RANK = 1e-11
-#: A shift in time is reported if it leaves less than this fraction of the residual.
-_RESIDUAL_RATIO = 0.5
-#: Delays examined, s; `repro identify` estimates smaller ones by itself.
-_SMALLEST_DELAY, _LARGEST_DELAY = 0.03, 0.3
-#: Beginning of the warning of another convention.
-READS_BETTER = "the log reads better with"
+_RESIDUAL_RATIO = 0.5  # a shift in time is reported if it leaves less than this fraction of the residual
+_SMALLEST_DELAY, _LARGEST_DELAY = 0.03, 0.3  # delays examined, s; `repro identify` estimates smaller ones by itself
+READS_BETTER = "the log reads better with"  # beginning of the warning of another convention
 
 
 @dataclass(frozen=True)

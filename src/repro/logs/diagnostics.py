@@ -15,8 +15,7 @@ from repro.logs.torque_limits import quantisation_step, saturated
 from repro.model.parameters import Array
 
 _TURN: Final = 2.0 * np.pi
-#: Speed below which a joint is at rest, rad/s.
-AT_REST = 0.02
+AT_REST = 0.02  # speed below which a joint is at rest, rad/s
 #: Ratios of recorded velocity to differentiated position that have a known cause.
 _RATIOS: Final = (
     (

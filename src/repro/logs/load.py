@@ -17,23 +17,17 @@ from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, ta
 from repro.logs.torque_limits import saturated
 from repro.model.parameters import Array
 
-#: Rates that an arm is recorded at, Hz.
-_SLOWEST, _FASTEST = 5.0, 20e3
-#: Rates that most arms are recorded at, Hz.
-_LIKELY = (20.0, 10e3)
+_SLOWEST, _FASTEST = 5.0, 20e3  # rates that an arm is recorded at, Hz
+_LIKELY = (20.0, 10e3)  # rates that most arms are recorded at, Hz
 #: Largest magnitudes of a time (in the file), a position (rad), a velocity (rad/s) and a torque (N m).
 _LARGEST_TIME, _LARGEST = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "rad/s"), ("torque", 1e9, "N m"))
-#: Smallest of the largest torques of a joint, N m: the square of a smaller one underflows.
-_SMALLEST = 1e-12
-#: Fraction of samples at the torque limit above which a drive is always saturated.
-_ALWAYS = 0.9
+_SMALLEST = 1e-12  # smallest of the largest torques of a joint, N m: the square of a smaller one underflows
+_ALWAYS = 0.9  # fraction of samples at the torque limit above which a drive is always saturated
 _TURN = 2.0 * np.pi
-#: Range of a position, rad, beyond which its unit must be stated.
-_FAR = 2.0 * _TURN
+_FAR = 2.0 * _TURN  # range of a position, rad, beyond which its unit must be stated
 #: What a recording is read from.
 Source = Path | pd.DataFrame | Log
-#: Steps within this fraction of a full turn are the wrap of an angle.
-_WRAP = 0.05
+_WRAP = 0.05  # steps within this fraction of a full turn are the wrap of an angle
 
 
 def read_log(source: str | Source, arm: Arm | None = None) -> Log:

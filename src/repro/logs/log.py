@@ -14,8 +14,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from repro.errors import InputError
 from repro.model.parameters import Array
 
-#: Fields of a log with a value for each sample.
-_SIGNALS = ("t", "q", "tau", "dq", "left_out")
+_SIGNALS = ("t", "q", "tau", "dq", "left_out")  # fields of a log with a value for each sample
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)  # identity hash, so that results can be kept per instance
@@ -149,12 +148,9 @@ def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
     return numbers
 
 
-#: Shortest log, s, and fewest samples.
-SHORTEST, FEWEST = 2.0, 200
-#: Range of positions below which a joint does not move, rad.
-STILL = 0.02
-#: Half the time that a difference spans, s.
-HALF_SPAN = 0.02
+SHORTEST, FEWEST = 2.0, 200  # shortest log, s, and fewest samples
+STILL = 0.02  # range of positions below which a joint does not move, rad
+HALF_SPAN = 0.02  # half the time that a difference spans, s
 
 
 def period(log: Log) -> float:
@@ -173,14 +169,10 @@ def speed(log: Log) -> Array:
     return np.asarray((log.q[:, 2 * w :] - log.q[:, : -2 * w]) / (log.t[2 * w :] - log.t[: -2 * w]))
 
 
-#: Most samples in a row that may be missing and are bridged.
-LONGEST_BRIDGE = 5
-#: Period from one sample to the next, in typical ones, above which samples are missing.
-GAP = 2.5
-#: Deviation from even spacing, in periods, that is ignored.
-_EVEN = 1e-3
-#: Samples that follow sooner, in periods, add nothing but a wrong slope.
-_TOO_CLOSE = 0.25
+LONGEST_BRIDGE = 5  # most samples in a row that may be missing and are bridged
+GAP = 2.5  # period from one sample to the next, in typical ones, above which samples are missing
+_EVEN = 1e-3  # deviation from even spacing, in periods, that is ignored
+_TOO_CLOSE = 0.25  # samples that follow sooner, in periods, add nothing but a wrong slope
 
 
 def missing_samples(log: Log) -> Array:

@@ -21,14 +21,10 @@ from repro.documents import check_size
 from repro.errors import InputError, require
 from repro.model.parameters import Array
 
-#: Most rows and columns of a log.
-MOST_ROWS, MOST_COLUMNS = 1_000_000, 1000
-#: Largest file, and most bytes without a line end.
-LARGEST, LONGEST_LINE = 512 << 20, 1 << 20
-#: Most lines of comments before the header.
-_HEAD = 1000
-#: Lines that are read at a time.
-_BLOCK = 2_000
+MOST_ROWS, MOST_COLUMNS = 1_000_000, 1000  # most rows and columns of a log
+LARGEST, LONGEST_LINE = 512 << 20, 1 << 20  # largest file, and most bytes without a line end
+_HEAD = 1000  # most lines of comments before the header
+_BLOCK = 2_000  # lines that are read at a time
 _EXPECTED = "a CSV table: a header, then rows of numbers"
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Numbers with a decimal comma, and those among them that could be integers with digits in groups.
@@ -302,8 +298,7 @@ def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
     return lines
 
 
-#: Most messages, of which each takes some kilobytes of memory.
-MOST_MESSAGES = 200_000
+MOST_MESSAGES = 200_000  # most messages, of which each takes some kilobytes of memory
 
 
 def is_bag(path: Path) -> bool:

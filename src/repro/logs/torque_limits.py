@@ -8,22 +8,17 @@ from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import Array
 
-#: Most steps of a change that is used: rounding of printed numbers adds up.
-_MOST_STEPS = 50.0
-#: Fewest samples at an extreme value that can be a limit, in typical runs of equal values.
-_FEWEST_AT_LIMIT = 5
+_MOST_STEPS = 50.0  # most steps of a change that is used: rounding of printed numbers adds up
+_FEWEST_AT_LIMIT = 5  # fewest samples at an extreme value that can be a limit, in typical runs of equal values
 #: Ratio of samples at the extreme value to those at any of the next levels, steps below it, if it is a limit.
 _LIMIT_RATIO, _NEXT_LEVELS = 4.0, (1, 2, 3)
-#: Different values of a torque that is switched among levels, not limited, at most.
-_MOST_LEVELS = 8
+_MOST_LEVELS = 8  # different values of a torque that is switched among levels, not limited, at most
 #: Shortest time for which a stuck torque is constant, s, fewest samples, and their number over that of usual runs.
 _SHORTEST_STUCK, _FEWEST_STUCK, _LONGER = 0.03, 5, 5.0
-#: Quantile of the lengths of runs that is usual.
-_USUAL = 0.9
+_USUAL = 0.9  # quantile of the lengths of runs that is usual
 #: Motion under a stuck torque, rad, and jump at its begin or end in steps of the torque, at least.
 _LEAST_MOTION, _LEAST_JUMP = 0.01, 3.0
-#: Part of such samples in a low-passed torque above which it is left out.
-MOST_CONTAMINATED = 0.05
+MOST_CONTAMINATED = 0.05  # part of such samples in a low-passed torque above which it is left out
 #: Error of Eq. 1 there over the error elsewhere, from which the recorded torque is not the one that acted,
 _CONTRADICTION = 1.5
 #: and largest fraction of a joint's samples that may be left out.

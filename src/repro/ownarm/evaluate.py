@@ -44,8 +44,7 @@ _LOG = logging.getLogger(__name__)
 Progress = Callable[..., None]
 Position = tuple[float, float] | None
 
-#: Weight of the prior in an estimate above which the verdict reports it.
-MOSTLY = 0.5
+MOSTLY = 0.5  # weight of the prior in an estimate above which the verdict reports it
 
 
 @dataclass(frozen=True)

@@ -19,14 +19,10 @@ from repro.identification.filtering import MIN_COHERENCE, MIN_SIGNAL_TO_NOISE, C
 from repro.model.parameters import Array
 from repro.ownarm.result import Curves, Parameter, Result, Signals
 
-#: Dots per inch: 1432 pixels for the width of a page.
-DPI = 200
-#: Colours of a picture; lines and their soft edges need no more, and the file is a third as large.
-_COLOURS = 96
-#: Methods whose curves are drawn: the recommended one and the first of the others.
-MOST_METHODS = 3
-#: Logs whose curves are drawn, so that the page stays light.
-MOST_LOGS = 8
+DPI = 200  # dots per inch: 1432 pixels for the width of a page
+_COLOURS = 96  # colours of a picture; lines and their soft edges need no more, and the file is a third as large
+MOST_METHODS = 3  # methods whose curves are drawn: the recommended one and the first of the others
+MOST_LOGS = 8  # logs whose curves are drawn, so that the page stays light
 #: How methods are drawn, in the order in which the figures name them: each differs from its neighbours in colour,
 #: dash and mark.
 STROKES: Final[tuple[dict[str, Any], ...]] = (
@@ -41,14 +37,10 @@ STROKES: Final[tuple[dict[str, Any], ...]] = (
     {"color": "#b0476f", "linestyle": (0, (5.0, 1.0, 1.0, 1.0, 1.0, 1.0)), "linewidth": 1.1},
 )
 MARKS: Final = ("o", "s", "D", "^", "v", "P", "X", "*", "h")
-#: The close-up shows this part of the log, but at least so many seconds.
-_CLOSE_UP_PART, _CLOSE_UP_LEAST = 1 / 8, 2.0
-#: A spectrum is shown down to this part of its largest amplitude.
-_FLOOR = 1e-4
-#: A frequency axis of fewer decades also names 2 and 5 of each.
-_MOST_DECADES = 3.0
-#: Frequencies shown of the choice of the cut-off, over the highest that could have been chosen.
-_CUTOFF_VIEW = 2.0
+_CLOSE_UP_PART, _CLOSE_UP_LEAST = 1 / 8, 2.0  # the close-up shows this part of the log, but at least so many seconds
+_FLOOR = 1e-4  # a spectrum is shown down to this part of its largest amplitude
+_MOST_DECADES = 3.0  # a frequency axis of fewer decades also names 2 and 5 of each
+_CUTOFF_VIEW = 2.0  # frequencies shown of the choice of the cut-off, over the highest that could have been chosen
 #: Panels by row: inertia; gravity, viscous and Coulomb friction of joint 1; the same of joint 2.
 PANELS: Final = (("I1", "I2", "I3"), ("g1", "b1", "k1"), ("g2", "b2", "k2"))
 #: A panel reaches this many median deviations of its points from their median; an arrow marks a point outside.

@@ -23,10 +23,8 @@ from repro.ownarm.result import Curves, Result
 from repro.pipeline.provenance import write_provenance
 from repro.report.embed import embedded, environment, policy
 
-#: BibTeX entries of the methods.
-METHODS_FILE = Path(__file__).with_name("methods.bib")
-#: Files that are written or not, as the result has it.
-OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt", "runs.csv"}
+METHODS_FILE = Path(__file__).with_name("methods.bib")  # BibTeX entries of the methods
+OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt", "runs.csv"}  # files that are written or not, as the result has it
 
 #: BibTeX keys of the intervals, and of the solvers of some methods.
 INTERVALS = ("kunsch1989jackknife", "kott2001delete", "jcgm2008gum", "baranchik1970family", "cook1994simex")
@@ -118,10 +116,8 @@ FILES = {
     "methods.bib": "sources of the methods, to cite",
 }
 
-#: Screen pixels per picture pixel: drawn at 200 dpi, shown at 1.25 times the printed size.
-_SHOWN = 1.25 * 96.0 / 200.0
-#: A parameter's name in a text.
-_SYMBOL = re.compile(r"\b([Igbk])([123])\b")
+_SHOWN = 1.25 * 96.0 / 200.0  # screen pixels per picture pixel: drawn at 200 dpi, shown at 1.25 times the printed size
+_SYMBOL = re.compile(r"\b([Igbk])([123])\b")  # a parameter's name in a text
 
 
 def render_page(

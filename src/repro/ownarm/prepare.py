@@ -125,8 +125,7 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
     return LoadedLog(log, replace(description, notes=description.notes + fresh, warnings=warnings), raw)
 
 
-#: Why a cut-off is the user's.
-GIVEN = "given by the user"
+GIVEN = "given by the user"  # why a cut-off is the user's
 
 
 def check_rate(log: Log, cutoff: filtering.Cutoff) -> None:

@@ -12,12 +12,10 @@ from repro.identification.regression import Prior
 from repro.logs.armfile import Arm
 from repro.model.parameters import NAMES, UNITS
 
-#: Largest parameter, and smallest standard deviation that is not zero.
-LARGEST, SMALLEST_SD = 1e9, 1e-6
+LARGEST, SMALLEST_SD = 1e9, 1e-6  # largest parameter, and smallest standard deviation that is not zero
 #: Parameters that no arm has below zero; the signs of the others depend on where masses and the zero position are.
 NOT_NEGATIVE = ("I1", "I3", "b1", "b2", "k1", "k2")
-#: Half of a 95 % interval over its standard deviation.
-HALF_95 = 1.96
+HALF_95 = 1.96  # half of a 95 % interval over its standard deviation
 
 
 def read_result(place: str, content: Any) -> list[dict[str, Any]]:  # noqa: ANN401

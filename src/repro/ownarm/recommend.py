@@ -16,25 +16,19 @@ from repro.ownarm.result import HALVES, Excitation, MethodResult, Score
 #: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
 #: validation error over fit error, relative RMS error of the fit.
 CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
-#: Relative torque error, fit or prediction, above which parameters must not be used.
-USELESS = 0.5
-#: Prediction errors, relative RMS, up to which `WORSE` is not applied.
-SMALL = 0.1
+USELESS = 0.5  # relative torque error, fit or prediction, above which parameters must not be used
+SMALL = 0.1  # prediction errors, relative RMS, up to which `WORSE` is not applied
 #: A network's validation error over the best of least squares above which a note explains it; fits whose similarities
 #: differ by less than the second are equally good.
 WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
 #: Standard deviations of the prior between its mean and the estimate, above which they contradict each other.
 CONTRADICTION = 3.0
-#: Ratio of the implied length of link 1 to the given one that is left to errors of the given one.
-LENGTH_RATIO = 1.25
-#: A delay below this is no drive's, s.
-EARLY = -0.005
-#: A log of fewer seconds deserves a warning.
-SHORT = 15.0
+LENGTH_RATIO = 1.25  # ratio of the implied length of link 1 to the given one that is left to errors of the given one
+EARLY = -0.005  # a delay below this is no drive's, s
+SHORT = 15.0  # a log of fewer seconds deserves a warning
 #: What to type for a motion that shows more.
 EXCITE = "record the motion that repro excite --arm arm.yaml -o OUT (Python: repro.excite) designs"
-#: Errors that differ by less than this factor are equally good.
-EQUAL = 1.01
+EQUAL = 1.01  # errors that differ by less than this factor are equally good
 
 
 def prediction_error(method: MethodResult) -> float:

@@ -24,8 +24,7 @@ _HEADINGS = {
     "log": "Left out: {}, predicted from the other logs",
     "validation": "Validation: {}, not used for the fit",
 }
-#: Powers of ten outside these are written as such.
-_LOWEST_POWER, _HIGHEST_POWER = -4, 5
+_LOWEST_POWER, _HIGHEST_POWER = -4, 5  # powers of ten outside these are written as such
 
 
 def parameters_table(result: Result) -> pd.DataFrame:

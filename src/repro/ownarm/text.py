@@ -22,10 +22,8 @@ ALLOWED = (
     f"{', '.join(UNMODELLED_EFFECTS)}, "
     "one of these effects at a time; not for a wrong scale of both torques"
 )
-#: Half an interval over the estimate: up to this the parameter is known.
-KNOWN = 0.5
-#: Cell without a number.
-NOTHING = "\N{EN DASH}"
+KNOWN = 0.5  # half an interval over the estimate: up to this the parameter is known
+NOTHING = "\N{EN DASH}"  # cell without a number
 NOT_EXCITED = "not excited by this motion"
 FIXED = "not estimated: given as known"
 IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
