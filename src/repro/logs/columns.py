@@ -100,10 +100,7 @@ _NAMES: Final = _names()
 
 
 def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signal, Column], tuple[str, ...]]:
-    """Find the column of each signal, both velocities or none, and note what was assumed and ignored.
-
-    Columns and units of the arm file have priority over the header.
-    """
+    """Find the column of each signal, by the arm file before the header, and note what was assumed and ignored."""
     notes: list[str] = []
     chosen = _mapped(header, arm, file)
     mapped = {column.index for column in chosen.values()}
@@ -118,15 +115,13 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
         raise InputError.at(f"{file}: header", f"columns of a joint 0: {_listed(zero)}", f"joints 1 and 2, or {named}")
     for signal, columns in candidates.items():
         chosen[signal] = _choose(signal, columns, file, notes)
-    missing = [signal for signal in KINDS if signal not in chosen and KINDS[signal] != "velocity"]
-    if missing:
+    if missing := [signal for signal in KINDS if signal not in chosen and KINDS[signal] != "velocity"]:
         raise _missing(missing, header, chosen, file)
     for signal, other in (("dq1", "dq2"), ("dq2", "dq1")):
         if signal in chosen and other not in chosen:
             notes.append(f"{chosen.pop(signal).header} is ignored, because the other joint has no velocity column")
     used = {column.index for column in chosen.values()}
-    ignored = [name for index, name in enumerate(header) if name and index not in used and name != SIMULATED]
-    if ignored:
+    if ignored := [name for k, name in enumerate(header) if name and k not in used and name != SIMULATED]:
         notes.append(f"columns ignored: {_listed(ignored)}")
     return _with_units(chosen, file, notes), tuple(notes)
 
@@ -197,11 +192,11 @@ def _choose(signal: Signal, columns: list[Column], file: str, notes: list[str]) 
         return columns[0]
     si = [column for column in columns if column.unit == si_unit(KINDS[signal])]
     raw = [column for column in columns if column.unit in ("counts", "counts/s", "A", "mA")]
-    names = [column.header for column in columns]
+    names = ", ".join(column.header for column in columns)
     if len(si) == 1 and len(si) + len(raw) == len(columns):
-        notes.append(f"{signal} is read from {si[0].header}, in {si[0].unit}, of {', '.join(names)}")
+        notes.append(f"{signal} is read from {si[0].header}, in {si[0].unit}, of {names}")
         return si[0]
-    found = f"{len(columns)} columns for {signal}: {', '.join(names)}"
+    found = f"{len(columns)} columns for {signal}: {names}"
     raise InputError.at(f"{file}: header", found, f"one, or the one to use as columns.{signal} in the arm file")
 
 
@@ -242,11 +237,9 @@ def _with_units(found: dict[Signal, Column], file: str, notes: list[str]) -> dic
                 raise InputError.at(f"{file}: header, column {column.header}", "no unit", expected)
             assumed.setdefault(si_unit(kind), []).append(column.header)
             complete[signal] = replace(column, unit=si_unit(kind), assumed=True)
-    if assumed:
-        units = "; ".join(f"{', '.join(names)} in {unit}" for unit, names in assumed.items())
+    if units := "; ".join(f"{', '.join(names)} in {unit}" for unit, names in assumed.items()):
         notes.append(f"the header states no unit for some columns; assumed: {units}")
-    converted = [f"{c.header} from {c.unit}" for s, c in complete.items() if c.unit != si_unit(KINDS[s])]
-    if converted:
+    if converted := [f"{c.header} from {c.unit}" for s, c in complete.items() if c.unit != si_unit(KINDS[s])]:
         notes.append(f"converted to SI: {', '.join(converted)}")
     return complete
 

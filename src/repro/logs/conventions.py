@@ -130,10 +130,8 @@ def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Ite
         yield "the torque is little more than noise: this log can only test the motion that parameters predict"
         return
     if noisy:
-        yield (
-            f"the torque of joint {noisy[0]} is little more than noise: the log hardly determines its load; "
-            "if the joint was driven, its torque was not recorded"
-        )
+        reason = "the log hardly determines its load; if the joint was driven, its torque was not recorded"
+        yield f"the torque of joint {noisy[0]} is little more than noise: {reason}"
     given = _fit(s, _AS_GIVEN)
     in_force = f"second_joint_absolute: {str(second_joint_absolute).lower()}"
     fits = [(_fit(s, convention), convention) for convention in CONVENTIONS if convention.remedy != in_force]
@@ -170,12 +168,10 @@ def late_torque(s: Smoothed) -> Iterator[str]:
     best = int(np.argmin(residuals))
     delay = float(shifts[best]) * s.h
     if abs(delay) >= _SMALLEST_DELAY and residuals[best] <= _RESIDUAL_RATIO * given:
-        side = "later" if delay > 0 else "earlier"
-        yield (
-            f"the torque fits the motion best {abs(delay):.3f} s {side} than recorded (residual "
-            f"{100 * residuals[best]:.0f} % instead of {100 * given:.0f} %): check the time stamps, or give delay in "
-            "the arm file"
-        )
+        when = f"{abs(delay):.3f} s {'later' if delay > 0 else 'earlier'} than recorded"
+        reason = f"residual {100 * residuals[best]:.0f} % instead of {100 * given:.0f} %"
+        remedy = "check the time stamps, or give delay in the arm file"
+        yield f"the torque fits the motion best {when} ({reason}): {remedy}"
 
 
 def _advice(convention: Convention, reason: str, has_velocity: bool) -> str:
@@ -191,10 +187,8 @@ def _advice(convention: Convention, reason: str, has_velocity: bool) -> str:
 
 
 def low_pass(signals: Array, h: float) -> Array:
-    """Low-pass signals (..., N) with the gain of a Butterworth filter of order 2 run forwards and backwards.
-
-    A signal less the line between its ends is a sum of sines.
-    """
+    """Low-pass signals (..., N) with the gain of a Butterworth filter of order 2 run forwards and backwards."""
+    # A signal less the line between its ends is a sum of sines.
     n = signals.shape[-1]
     line = np.linspace(signals[..., 0], signals[..., -1], n, axis=-1)
     angle = 0.5 * np.pi * np.arange(1, n - 1) / (n - 1)
@@ -233,8 +227,7 @@ def _fit(smoothed: Smoothed, convention: Convention) -> _Fit:
     k = smoothed.chosen
     position, torque = (np.reshape(matrix, (2, 2)) for matrix in (convention.position, convention.torque))
     q = position @ smoothed.q[:, k] + np.array(convention.offset)[:, np.newaxis]
-    tau = torque @ smoothed.tau[:, k]
-    dq = position @ smoothed.dq[:, k]
+    dq, tau = position @ smoothed.dq[:, k], torque @ smoothed.tau[:, k]
     y = regressor(q, dq, position @ smoothed.ddq[:, k])
     # The speed at which friction sets in is unknown: a factor on the positions must not choose another one.
     sense = position / np.abs(position).max(axis=1, keepdims=True)

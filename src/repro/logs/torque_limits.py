@@ -42,11 +42,7 @@ def quantisation_step(x: Array) -> float | None:
 
 
 def saturated(log: Log) -> NDArray[np.bool_]:
-    """Find the samples (2, N) whose torque is at its limit.
-
-    An unknown limit is inferred from a largest or smallest torque that occurs far more often than the values next to
-    it.
-    """
+    """Find the samples (2, N) whose torque is at its limit, or at an extreme value at which it accumulates."""
     if log.torque_limit is not None:
         return np.asarray(np.abs(log.tau) >= 0.999 * log.torque_limit[:, np.newaxis])
     return np.stack([_at_extremes(tau) for tau in log.tau])
@@ -78,10 +74,7 @@ def _at_extremes(tau: Array) -> NDArray[np.bool_]:
 
 
 def _stuck(tau: Array, q: Array, h: float) -> NDArray[np.bool_]:
-    """Find the samples (N,) of a torque that stays constant for exceptionally long while its joint moves, and jumps.
-
-    A torque in coarse steps or one that is rarely updated stays constant as long throughout.
-    """
+    """Find the samples (N,) of a torque that is constant for exceptionally long while its joint moves, and jumps."""
     begins, ends = _runs(tau)
     length = ends - begins
     fewest = max(_FEWEST_STUCK, _SHORTEST_STUCK / h, _LONGER * float(np.quantile(length, _USUAL)))

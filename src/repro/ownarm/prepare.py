@@ -272,10 +272,8 @@ def mean_scale(logs: Sequence[PreparedLog]) -> float | None:
 
 
 def wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
-    """Decide by a prior which joint's torque constant is wrong; None if it cannot.
-
-    If it is that of joint 1 after all, all parameters are `factor` times those of the log with joint 2 corrected.
-    """
+    """Decide by a prior which joint's torque constant is wrong, None if it cannot; `factor` is that of joint 2."""
+    # If it is that of joint 1 after all, all parameters are `factor` times those of the log with joint 2 corrected.
     if prior is None:
         return None
     compared = np.flatnonzero((np.isfinite(prior.sd) & (prior.mean != 0.0))[:5])
@@ -299,7 +297,7 @@ def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple
     uncorrected log can make a good one look faulty.
     """
     corrected = [_correct(loaded, arm, options) for loaded in logs]
-    common = _in_common(corrected) if len(logs) > 1 else None
+    common, remaining = _in_common(corrected) if len(logs) > 1 else None, list[int]()
 
     def others(one: PreparedLog) -> list[Regression]:
         return [log.moving for log in corrected if log is not one]
@@ -307,7 +305,6 @@ def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple
     def compare(k: int) -> PreparedLog:
         return _correct(logs[k], arm, options, others(corrected[k]), common)
 
-    remaining = []
     if common is not None:
         corrected = [_correct(loaded, arm, options, (), common) for loaded in logs]
         for k in [k for k, log in enumerate(corrected) if log.faults]:

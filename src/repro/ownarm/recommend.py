@@ -105,7 +105,9 @@ def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[s
 def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
     """Warn of a prior that the log contradicts."""
     prior = problem.prior
-    for k in prior.informative if prior else ():
+    if prior is None:
+        return
+    for k in prior.informative:
         p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
         inside = p.low is not None and p.high is not None and p.low <= mean <= p.high
         if abs(p.estimate - mean) > CONTRADICTION * sd and not inside:

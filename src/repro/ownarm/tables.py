@@ -12,10 +12,10 @@ from repro.exhibits.markup import SUPERSCRIPTS, TIMES
 from repro.ownarm.result import Curves, MethodResult, Parameter, Result, Score
 from repro.ownarm.text import NOTHING
 
-PARAMETER_COLUMNS = ("method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict")
+PARAMETER_COLUMNS = ["method", "parameter", "unit", "estimate", "standard_error", "low", "high", "verdict"]
 #: The same of a parameter, without the method.
 _row = attrgetter("name", *PARAMETER_COLUMNS[2:])
-SCORE_COLUMNS = ("method", "log", "part", "joint", "relative_rms", "similarity", "position_rms")
+SCORE_COLUMNS = ["method", "log", "part", "joint", "relative_rms", "similarity", "position_rms"]
 
 #: Headings of the scores by their kind.
 _HEADINGS = {
@@ -30,8 +30,7 @@ _LOWEST_POWER, _HIGHEST_POWER = -4, 5  # powers of ten outside these are written
 def parameters_table(result: Result) -> pd.DataFrame:
     """Tabulate the parameters of every method, one a row."""
     rows = [(method.method, *_row(parameter)) for method in result.methods for parameter in method.parameters]
-    numbers = dict.fromkeys(PARAMETER_COLUMNS[3:7], "float64")
-    return pd.DataFrame(rows, columns=list(PARAMETER_COLUMNS)).astype(numbers)
+    return pd.DataFrame(rows, columns=PARAMETER_COLUMNS).astype(dict.fromkeys(PARAMETER_COLUMNS[3:7], "float64"))
 
 
 def runs_table(result: Result) -> pd.DataFrame:
@@ -49,8 +48,7 @@ def scores_table(result: Result) -> pd.DataFrame:
         for part, score in method.scores
         for joint, numbers in enumerate(zip(*_numbers(score), strict=True), 1)
     ]
-    numbers = dict.fromkeys(SCORE_COLUMNS[4:], "float64")
-    return pd.DataFrame(rows, columns=list(SCORE_COLUMNS)).astype(numbers)
+    return pd.DataFrame(rows, columns=SCORE_COLUMNS).astype(dict.fromkeys(SCORE_COLUMNS[4:], "float64"))
 
 
 def residuals_table(result: Result, curves: Curves) -> pd.DataFrame:
@@ -109,13 +107,12 @@ def _texts(score: Score) -> list[str]:
 
 def _column(place: int, scores: Sequence[Score], marked: bool) -> list[Cell]:
     """Fill one column; a larger similarity is better, a smaller error is."""
-    texts = [_texts(score)[place] for score in scores]
-    numbers = [_numbers(score)[place // 2][place % 2] for score in scores]
-    known = [(number, text) for number, text in zip(numbers, texts, strict=True) if number is not None]
-    if not marked or not known or len(set(texts)) == 1:
-        return [(text, False) for text in texts]
-    _, best = max(known) if place in (2, 3) else min(known)
-    return [(text, text == best) for text in texts]
+    pairs = [(_numbers(score)[place // 2][place % 2], _texts(score)[place]) for score in scores]
+    known = [(number, text) for number, text in pairs if number is not None]
+    best = None
+    if marked and known and len({text for _, text in pairs}) > 1:
+        _, best = max(known) if place in (2, 3) else min(known)
+    return [(text, text == best) for _, text in pairs]
 
 
 @dataclass(frozen=True)
@@ -145,7 +142,7 @@ def rounded(parameter: Parameter) -> Rounded:
     estimate, error = parameter.estimate, parameter.standard_error
     values = (estimate, error, parameter.low, parameter.high)
     if not all(value is None or math.isfinite(value) for value in values):
-        return Rounded(*("" if value is None else significant(value) for value in values), "")
+        return Rounded(*("" if value is None else significant(value) for value in values), power="")
     largest = max(abs(estimate), error or 0.0)
     last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)
     (shown, spread, low, high), times = _print(values, _power(largest) if largest > 0.0 else 0, last)
