@@ -86,7 +86,7 @@ def capture(folder):
 @pytest.mark.parametrize("logs", [several, short, capture])
 def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog, file_regression, logs):
     figures = []
-    monkeypatch.setattr("repro.ownarm.selftest.DRAWS", 3)
+    monkeypatch.setattr("repro.ownarm.evaluate.DRAWS", 3)
     monkeypatch.setattr("repro.ownarm.figures.MOST_LOGS", 1)
     monkeypatch.setattr("repro.ownarm.figures._png", lambda figure: figures.append(figure) or png())
     caplog.set_level(logging.INFO, "repro")

@@ -15,10 +15,9 @@ from repro.identification.least_squares import METHODS
 from repro.logs.log import Log, uniform
 from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import add_self_test
+from repro.ownarm.evaluate import add_self_test, inverse_errors, self_test, synthetic_log
 from repro.ownarm.prepare import Options
 from repro.ownarm.problem import make_problem
-from repro.ownarm.selftest import inverse_errors, self_test, synthetic_log
 from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow

@@ -1,25 +1,30 @@
-"""From a problem to a result: fit the methods, evaluate their estimates, recommend one."""
+"""From a problem to a result: fit the methods, evaluate their estimates, recommend one, and test it on known arms."""
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
+from repro.identification.calibration import correct_calibration
 from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
-from repro.identification.extra_terms import ROTOR
-from repro.identification.filtering import FILTERS
+from repro.identification.extra_terms import ROTOR, values_of
+from repro.identification.filtering import FILTERS, SEGMENT, motion_cutoff, smooth_motion
 from repro.identification.least_squares import METHODS
 from repro.identification.method import NETWORKS, Estimate, Method, NoSolutionError
-from repro.identification.regression import Regression, residual_autocorrelation
+from repro.identification.regression import Regression, joined, residual_autocorrelation
 from repro.identification.scores import position_errors, relative_rms, similarity
 from repro.identification.uncertainty import Uncertainty, bootstrap
 from repro.logs.armfile import Arm
+from repro.logs.log import period, segments, uniform
+from repro.logs.torque_limits import quantisation_step
+from repro.model.dynamics import regressor
 from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, prepare_logs
 from repro.ownarm.prior import NOT_NEGATIVE
-from repro.ownarm.problem import SCALE_OF_JOINT_1, IdentificationProblem, single_problem
+from repro.ownarm.problem import SCALE_OF_JOINT_1, IdentificationProblem, join_logs, single_problem
 from repro.ownarm.recommend import compare_networks, recommend, warnings, wrong_length
 from repro.ownarm.result import (
     HALVES,
@@ -28,12 +33,13 @@ from repro.ownarm.result import (
     MethodResult,
     Parameter,
     Preparation,
+    RecoveredParameter,
     Result,
     Score,
+    SelfTest,
     Signals,
     SingleFit,
 )
-from repro.ownarm.selftest import self_test
 from repro.ownarm.text import FIXED, calibration_warnings, inconsistency, verdict
 from repro.signals.dct import spectrum
 from repro.streams import Stream, stream
@@ -44,6 +50,9 @@ _LOG = logging.getLogger(__name__)
 Progress = Callable[..., None]
 Position = tuple[float, float] | None
 
+DRAWS = 5  # synthetic logs of a self-test
+#: Share of the squared torque error that noise explains, below which Eq. 1 is wrong.
+NOISE = 0.5
 MOSTLY = 0.5  # weight of the prior in an estimate above which the verdict reports it
 
 
@@ -207,6 +216,86 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
     )
     signals = tuple(_signals(loaded.name, regression, methods, betas) for loaded, regression, _ in logs)
     return result, Curves(signals, problem.first.cutoff)
+
+
+def _level(x: Array, h: float, low: float, high: float) -> Array:
+    """Estimate the standard deviation (2, 1) of white noise as strong as a signal between two frequencies."""
+    from scipy.signal import welch  # noqa: PLC0415  (a third of a second, for a self-test alone)
+
+    segment = min(round(SEGMENT / h), x.shape[-1] // 4)
+    frequency, density = welch(x, 1.0 / h, window="blackmanharris", nperseg=segment, axis=-1)
+    band = (frequency >= low) & (frequency <= high)
+    return np.asarray(np.sqrt(0.5 / h * np.median(density[:, band], axis=-1, keepdims=True)))
+
+
+def _measured(signal: Array, recorded: Array, noise: Array, rng: np.random.Generator) -> Array:
+    """Add noise to a signal and quantise it as the recorded one; quantisation noise is not added twice."""
+    rounded = []
+    for x, there, size in zip(signal, recorded, noise[:, 0], strict=True):
+        step = quantisation_step(there)
+        drawn = x + np.sqrt(max(size**2 - (step or 0.0) ** 2 / 12.0, 0.0)) * rng.normal(size=x.shape)
+        rounded.append(step * np.rint(drawn / step) if step else drawn)
+    return np.stack(rounded)
+
+
+def inverse_errors(errors: Mapping[str, float]) -> dict[str, float]:
+    """Give the corrections that add estimated calibration errors again."""
+    scales = {name: 1.0 / value for name, value in errors.items() if name.startswith("scale")}
+    factors = {f"offset{name[-1]}": factor for name, factor in scales.items()}
+    return {name: -value * factors.get(name, 1.0) for name, value in errors.items()} | scales
+
+
+def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) -> LoadedLog:
+    """Simulate the recording of a log, or of its longest piece, with an arm of known parameters."""
+    s, pieces = prepared.settings, segments(prepared.loaded.recorded or prepared.loaded.log)
+    longest = prepared.loaded.log.longest, max(pieces, key=lambda one: one.t.size)
+    log, piece = (replace(one, t=one.t - one.t[0]) for one in longest)
+    even, h, top = uniform(piece), period(log), motion_cutoff(s, period(log))
+    moved = smooth_motion(log.q, h, s)
+    acting = CubicSpline(log.t, regressor(*moved, s.friction_steepness) @ beta, axis=1)
+    late = acting(np.clip(log.t + s.delay, 0.0, log.t[-1]))
+    right = correct_calibration(replace(log, q=moved[0], tau=late), inverse_errors(values_of(prepared.faults)))
+    # Above the frequencies of the motion the torque contains friction, and its residual the noise of the position.
+    noise = [_level(x, h, top, 2.0 * top) for x in (even.tau, even.tau - right.tau)]
+    # Rounded time stamps say when a sample was written; it was measured at the even instant.
+    at = even.t if even.t.size == piece.t.size and np.array_equal(even.q, piece.q) else piece.t
+    q, tau = (CubicSpline(even.t, x, axis=1)(np.clip(at, 0.0, even.t[-1])) for x in (right.q, right.tau))
+    q = _measured(q, piece.q, _level(even.q, h, 0.25 / h, np.inf), rng)
+    raw = replace(piece, q=q, tau=_measured(tau, piece.tau, np.minimum(*noise), rng), dq=None)
+    return LoadedLog(uniform(raw), prepared.loaded.description, raw)
+
+
+def self_test(
+    problem: IdentificationProblem, method: Method, beta: Array, arm: Arm, options: Options, report: Progress
+) -> SelfTest:
+    """Simulate logs with the parameters that a method estimated, and solve them by that method as the real ones.
+
+    Noise, quantisation, time stamps, delay and calibration errors are added as estimated from the log. Noise is white:
+    of the position as strong as in the upper half of its spectrum, of the torque as just above the frequencies of the
+    motion. The synthetic log is prepared with the cut-off and lambda of the real one.
+    """
+    betas, inside, claimed, errors = [], [], [], []
+    for draw in range(DRAWS):
+        rng = stream(options.seed, Stream.SELF_TEST, draw)
+        logs: list[PreparedLog] = []
+        for log in problem.logs:
+            as_real = replace(options, cutoff=log.settings.cutoff, friction=False)
+            arm = replace(arm, friction_steepness=log.settings.friction_steepness)
+            logs += prepare_logs([synthetic_log(log, beta, rng)], arm, as_real)
+        moving, as_good = join_logs(logs, problem.prior)
+        estimate = method.estimate(moving)
+        spread = bootstrap(method, moving, estimate, as_good, rng)
+        betas.append(estimate.beta)
+        claimed.append(estimate.beta != 0.0)
+        inside.append((spread.low <= beta) & (beta <= spread.high) & claimed[-1])
+        errors.append(relative_rms(joined([log.regression for log in logs]), estimate.beta))
+        report("self-test", draw + 1, DRAWS)
+    real, error = relative_rms(problem.regression, beta), np.median(errors, axis=0)
+    noise = np.minimum(np.divide(error, real, out=np.ones(2), where=np.array(real) > 0.0) ** 2, 1.0)
+    columns = (beta, np.median(betas, 0), np.min(betas, 0), np.max(betas, 0), np.sum(inside, 0), np.sum(claimed, 0))
+    parameters = tuple(map(RecoveredParameter, NAMES, *(column.tolist() for column in columns)))
+    wrong = bool(noise.min() < NOISE)
+    return SelfTest(method.name, DRAWS, parameters, tuple(error.tolist()), real, tuple(noise.tolist()), wrong)
 
 
 def add_self_test(
