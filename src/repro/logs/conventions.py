@@ -144,10 +144,9 @@ def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Ite
     elif noisy:
         return
     elif given.residual > _USELESS_RESIDUAL:
-        yield (
-            f"Eq. 1 explains little of the torque (residual {100.0 * given.residual:.0f} %) with any single change of "
-            "how the log is read: check units, signs, zeros and which column is which"
-        )
+        found = f"Eq. 1 explains little of the torque (residual {100.0 * given.residual:.0f} %)"
+        remedy = "check units, signs, zeros and which column is which"
+        yield f"{found} with any single change of how the log is read: {remedy}"
     elif given.n_impossible:
         same = [(fit, c) for fit, c in fits if 1.0 / _SAME_RATIO < fit.ratio(given) < _SAME_RATIO]
         for convention in [convention for fit, convention in same if fit.n_impossible == 0][:1]:

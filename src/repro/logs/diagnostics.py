@@ -46,10 +46,9 @@ def large_range(log: Log) -> Iterator[str]:
     """Report positions of many turns."""
     joint, moved = max(enumerate(np.ptp(log.q, axis=1), 1), key=itemgetter(1))
     if moved > 4.0 * _TURN:
-        yield (
-            f"joint {joint} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns): if these are degrees or counts, "
-            "write into the arm file: units: {position: deg} or units: {position: counts}"
-        )
+        lines = "units: {position: deg} or units: {position: counts}"
+        found = f"joint {joint} moves by {moved:.4g} rad ({moved / _TURN:.3g} turns)"
+        yield f"{found}: if these are degrees or counts, write into the arm file: {lines}"
 
 
 def odd_speed(log: Log) -> Iterator[str]:
@@ -75,10 +74,8 @@ def position_jump(log: Log) -> Iterator[str]:
         usual = median_filter(steps, 11, mode="nearest")
         if (jumps := np.flatnonzero((steps > 0.1) & (steps > 8.0 * usual))).size:
             k = int(jumps[0])
-            yield (
-                f"the position of joint {joint} jumps by {steps[k]:.3g} rad at {log.t[k + 1]:.4g} s "
-                f"({jumps.size} such): check the encoder, or cut the log there"
-            )
+            found = f"the position of joint {joint} jumps by {steps[k]:.3g} rad at {log.t[k + 1]:.4g} s"
+            yield f"{found} ({jumps.size} such): check the encoder, or cut the log there"
             return
 
 
@@ -129,20 +126,16 @@ def odd_torque(log: Log) -> Iterator[str]:
             break
     joint, fraction = max(enumerate(saturated(log).mean(axis=1), 1), key=itemgetter(1))
     if fraction > 0.05:
-        yield (
-            f"the torque of joint {joint} is saturated in {100.0 * fraction:.0f} % of the samples, where "
-            "the recorded torque may not be the one that acted: record a slower motion"
-        )
+        found = f"the torque of joint {joint} is saturated in {100.0 * fraction:.0f} % of the samples"
+        yield f"{found}, where the recorded torque may not be the one that acted: record a slower motion"
 
 
 def left_out_torque(log: Log) -> Iterator[str]:
     """Report samples of a uniformly sampled log whose torque is left out of fits."""
     for joint, wrong in enumerate(log.left_out if log.left_out is not None else (), 1):
         if n := np.count_nonzero(wrong):
-            yield (
-                f"the torque of joint {joint} is at a limit or stuck in {n} samples ({100.0 * n / wrong.size:.2g} %), "
-                "and the motion contradicts it: the fit leaves them out"
-            )
+            found = f"at a limit or stuck in {n} samples ({100.0 * n / wrong.size:.2g} %)"
+            yield f"the torque of joint {joint} is {found}, and the motion contradicts it: the fit leaves them out"
 
 
 def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:

@@ -123,10 +123,9 @@ def wrong_length(method: MethodResult, arm: Arm) -> Iterator[str]:
     given, *implied = arm.link_lengths[0], *(i2.low / g2.high, i2.estimate / g2.estimate, i2.high / g2.low)
     low, length, high = (0.5 * arm.gravity * ratio for ratio in implied)
     if g2.low > 0.0 and low > 0.0 and (low > LENGTH_RATIO * given or high < given / LENGTH_RATIO):
-        yield (
-            f"I2 and g2 imply l1 = {length:.3g} m, and the arm file states {given:.3g} m: check link_lengths and the "
-            f"unit of time (times that are {np.sqrt(length / given):.2g} times the true ones explain it)"
-        )
+        found = f"I2 and g2 imply l1 = {length:.3g} m, and the arm file states {given:.3g} m"
+        reason = f"times that are {np.sqrt(length / given):.2g} times the true ones explain it"
+        yield f"{found}: check link_lengths and the unit of time ({reason})"
 
 
 def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
@@ -134,11 +133,9 @@ def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[s
     beta = np.array([parameter.estimate for parameter in method.parameters])
     for log in problem.logs:
         for joint in np.flatnonzero(~driven(log.regression, beta)) + 1:
-            yield (
-                f"joint {joint} has next to no torque in {log.loaded.log.name}: either the other joint moves it or "
-                f"its torque was not recorded (arm file: columns.tau{joint}); its error is relative to the torques "
-                "that should cancel"
-            )
+            found = f"joint {joint} has next to no torque in {log.loaded.log.name}"
+            reason = f"either the other joint moves it or its torque was not recorded (arm file: columns.tau{joint})"
+            yield f"{found}: {reason}; its error is relative to the torques that should cancel"
 
 
 def _poor_excitation(excitation: Excitation, method: MethodResult) -> Iterator[str]:
@@ -160,26 +157,22 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
     """Warn of a poor fit, of residuals that are not white, and of predictions much worse than the fit."""
     fit = max(method.fit.relative_rms)
     if fit > POOR:
-        joint = int(np.argmax(method.fit.relative_rms)) + 1
-        yield (
-            f"Eq. 1 leaves {100 * fit:.3g} % of the torque of joint {joint} unexplained: check units, sign and zero in "
-            "the arm file; if they are right, unmodelled effects are as large"
-        )
-    if max(np.abs(method.whiteness)) > AUTOCORRELATION:
-        yield (
-            f"residuals are far from white (autocorrelation {max(method.whiteness, key=abs):.2f}): Eq. 1 does not "
-            f"model this friction or flexibility; compare with {option('friction')} and {option('self-test')}"
-        )
+        found = f"{100 * fit:.3g} % of the torque of joint {method.fit.relative_rms.index(fit) + 1} unexplained"
+        remedy = "check units, sign and zero in the arm file; if they are right, unmodelled effects are as large"
+        yield f"Eq. 1 leaves {found}: {remedy}"
+    if abs(worst := max(method.whiteness, key=abs)) > AUTOCORRELATION:
+        reason = "Eq. 1 does not model this friction or flexibility"
+        remedy = f"compare with {option('friction')} and {option('self-test')}"
+        yield f"residuals are far from white (autocorrelation {worst:.2f}): {reason}; {remedy}"
     worst = max((max(s.relative_rms) for s in method.validation), default=0.0)
     if worst > max(WORSE * fit, SMALL):
         found = f"reaches {100 * worst:.3g} %, on the fitted log {100 * fit:.3g} %: the logs excite different effects"
         yield f"on the validation logs the torque error {found}; fit both, and validate on a third"
     half = max((max(s.relative_rms) for s in method.halves if s.log in HALVES), default=0.0)
     if half > max(WORSE * fit, SMALL):
-        yield (
-            f"one half of the log predicts the other with a torque error of {100 * half:.0f} %: the log is too short, "
-            "or something changed during it; record a longer one, or fit several logs"
-        )
+        found = f"one half of the log predicts the other with a torque error of {100 * half:.0f} %"
+        reason = "the log is too short, or something changed during it"
+        yield f"{found}: {reason}; record a longer one, or fit several logs"
 
 
 def disagreeing(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
@@ -210,7 +203,6 @@ def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
             found = f"at the end of the search range ({delay}): check the time stamps"
             yield f"the delay of the torque{where} is {found}, then give delay (s) in the arm file"
         elif log.settings.delay < EARLY:
-            yield (
-                f"the delay of the torque{where} is {delay}, as if it acted before it was recorded: either the stamps "
-                "of position and torque differ, or the log does not determine it (arm file: delay)"
-            )
+            found = f"the delay of the torque{where} is {delay}, as if it acted before it was recorded"
+            reason = "either the stamps of position and torque differ, or the log does not determine it"
+            yield f"{found}: {reason} (arm file: delay)"
