@@ -81,8 +81,7 @@ def test_pieces_that_are_too_short_are_left_out():
 
 
 def test_samples_close_together_do_no_harm():
-    t = np.sort(np.r_[GOOD.t, GOOD.t[500:520] + 1e-6])
-    r = recording(t)
+    r = recording(np.sort(np.r_[GOOD.t, GOOD.t[500:520] + 1e-6]))
     noisy = dataclasses.replace(r, q=np.round(r.q / 7.5e-4) * 7.5e-4)  # two readings of a step of the encoder
     log = uniform(log_of(noisy))
     assert "20 samples less than 1.2 ms after another are left out" in log.notes
@@ -109,10 +108,6 @@ NOISY = GOOD.tau + 0.01 * np.random.default_rng(7).normal(size=GOOD.tau.shape)
 SAMPLE = np.arange(2400)
 
 
-def between(begin, end):
-    return np.isin(SAMPLE, np.arange(begin, end))
-
-
 def with_torque(first=NOISY[0], second=NOISY[1]):
     return log_of(dataclasses.replace(GOOD, tau=np.stack([first, second])))
 
@@ -122,8 +117,8 @@ def with_torque(first=NOISY[0], second=NOISY[1]):
     [
         (with_torque(first=np.minimum(NOISY[0], 2.5)), 1, NOISY[0] >= 2.5),
         (with_torque(second=np.maximum(NOISY[1], -0.9)), 2, NOISY[1] <= -0.9),
-        (with_torque(second=np.where(between(1000, 1080), NOISY[1, 1000], NOISY[1])), 2, between(1000, 1080)),
-        (with_torque(first=np.where(between(500, 560), 1e-9, NOISY[0])), 1, between(500, 560)),
+        (with_torque(second=np.where(SAMPLE // 80 == 12, NOISY[1, 960], NOISY[1])), 2, SAMPLE // 80 == 12),
+        (with_torque(first=np.where(SAMPLE // 60 == 9, 1e-9, NOISY[0])), 1, SAMPLE // 60 == 9),
         (with_torque(first=np.where(SAMPLE >= 1700, NOISY[0, 1700], NOISY[0])), 1, SAMPLE >= 1700),
     ],
     ids=["limit", "lower limit", "stuck", "lost", "stuck to the end"],
@@ -140,15 +135,11 @@ def in_steps(size):
     return with_torque(size * np.rint(NOISY[0] / size), 0.5 * size * np.rint(NOISY[1] / (0.5 * size)))
 
 
-def updated_every(n):
-    return with_torque(*NOISY[:, SAMPLE // n * n])
-
-
 @pytest.mark.parametrize(
     "log",
     [
         *map(in_steps, (0.02, 0.1, 0.4)),
-        *map(updated_every, (4, 20)),
+        *(with_torque(*NOISY[:, SAMPLE // n * n]) for n in (4, 20)),  # updated every n samples
         with_torque(*np.where(SAMPLE >= 1600, 0.0, NOISY)),  # drives that are off at the end
         log_of(GOOD, torque_limit=np.array([2.5, 9.0])),  # a drive that reports the limit at which it acts
     ],

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from log_example import BETA
-from ownarm_problem import ARM, noisy, problem_of, silent, solved, write_log
+from ownarm_problem import ARM, judged, noisy, problem_of, silent, solved, write_log
 from regression_example import exciting
 
 from repro.identification.filtering import MAX_DELAY
@@ -57,7 +57,7 @@ def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path,
     loaded = load_log(write_log(tmp_path / "log.csv", seconds=24.0, late=late), ARM)
     tau = torque(loaded.log) + 1e-3 * WHITE
     problem = make_problem((replace(loaded, log=replace(loaded.log, tau=tau)),), (), ARM, OPTIONS)
-    rows = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,)).parameters
+    rows = judged(problem).parameters
     assert bool(problem.doubt) == bool(why)
     if why:
         assert {(p.low, p.high) for p in rows} == {(None, None)}
@@ -101,9 +101,8 @@ def test_a_saturated_torque_is_left_out_of_the_fit(tmp_path):
     assert sum("leaves them out" in line for line in loaded.description.warnings) == 2
     found = {}
     for name, used in (("without", loaded), ("with", replace(loaded, log=replace(loaded.log, left_out=None)))):
-        problem = make_problem((used,), (), ARM, OPTIONS)
-        method = evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
-        found[name] = max(abs(p.estimate / true - 1.0) for p, true in zip(method.parameters[:5], BETA, strict=False))
+        rows = judged(make_problem((used,), (), ARM, OPTIONS)).parameters
+        found[name] = max(abs(p.estimate / true - 1.0) for p, true in zip(rows[:5], BETA, strict=False))
     assert found["without"] < 0.3 * found["with"]
     assert found["with"] > 0.08
 

@@ -53,14 +53,9 @@ def spread_of_runs(problem, result):
     return add_runs(result, problem, METHODS.values(), 1, silent).spread
 
 
-@pytest.fixture(scope="module")
-def two():
+def test_logs_have_one_delay_and_one_fit_and_each_its_faults():
     problem = problem_of(noisy_log("a.csv", 0, delay=0.004), noisy_log("b.csv", 1, delay=0.004, zero=(0.08, 0.0)))
-    return problem, solved(problem)[0]
-
-
-def test_logs_have_one_delay_and_one_fit_and_each_its_faults(two):
-    problem, result = two
+    result, _ = solved(problem)
     assert [log.settings.delay for log in problem.logs] == pytest.approx([0.004, 0.004], abs=5e-4)
     assert problem.logs[0].settings.delay == problem.logs[1].settings.delay
     assert [[fault.name for fault in log.faults] for log in problem.logs] == [[], ["zero1"]]
@@ -70,10 +65,6 @@ def test_logs_have_one_delay_and_one_fit_and_each_its_faults(two):
     assert [p.estimate for p in result.best.parameters[:5]] == pytest.approx(BETA[:5], rel=0.03)
     assert [score.log for score in result.best.halves] == ["a.csv", "b.csv"]
     assert max(max(score.relative_rms) for score in result.best.halves) < 0.1
-
-
-def test_logs_of_one_arm_agree_from_run_to_run(two):
-    problem, result = two
     assert result.spread == ()
     for row, truth in zip(spread_of_runs(problem, result)[:5], BETA, strict=False):
         assert row.agree
@@ -113,12 +104,9 @@ def test_a_zero_that_the_other_logs_contradict_is_not_applied():
     assert faults_of(rippled, noisy_log("a.csv", 3), noisy_log("b.csv", 1)) == [{}, {}, {}]
 
 
-def test_a_torque_constant_is_not_corrected_in_one_log_of_several():
+def test_a_torque_constant_is_corrected_in_all_logs_or_none_and_a_poor_log_has_no_veto():
     logs = noisy_log("a.csv", 4), scaled(noisy_log("b.csv", 5), 1.0, 1.4)
     assert all("scale2" not in faults for faults in faults_of(*logs))
-
-
-def test_a_poor_log_does_not_veto_the_torque_constant_that_a_good_one_shows():
     logs = noisy_log("a.csv", 0), near((0.3, 0.9), "slow.csv", noise=0.3)
     assert faults_of(*(scaled(log, 1.0, 1.15) for log in logs))[0] == {"scale2": pytest.approx(1.15, abs=0.01)}
 
@@ -133,20 +121,17 @@ def test_detection_limits_do_not_depend_on_the_joint_whose_torque_constant_is_wr
     assert first[0].hidden["zero2"] == pytest.approx(first[1].hidden["zero2"], rel=0.01)
 
 
-def weights(problem):
-    """Factor on the rows of the first and the second log in the joined regression."""
-    n, largest = problem.logs[0].moving.t.size, [np.abs(log.moving.tau).max() for log in problem.logs]
-    return [np.abs(part).max() / size for part, size in zip(np.split(problem.moving.tau, [n], 1), largest, strict=True)]
+def test_a_noisy_log_counts_less_and_one_with_an_idle_joint_as_much_as_its_other_joint_is_good():
+    def weights(*logs):
+        problem = problem_of(*logs)
+        parts = np.split(problem.moving.tau, [problem.logs[0].moving.t.size], 1)
+        return [
+            np.abs(part).max() / np.abs(log.moving.tau).max() for part, log in zip(parts, problem.logs, strict=True)
+        ]
 
-
-def test_a_noisy_log_counts_less():
-    good, noisy = weights(problem_of(noisy_log("a.csv", 0), noisy_log("n.csv", 1, noise=2.0)))
+    good, noisy = weights(noisy_log("a.csv", 0), noisy_log("n.csv", 1, noise=2.0))
     assert good > 5 * noisy
-
-
-def test_a_log_with_an_idle_joint_counts_as_much_as_its_other_joint_is_good():
-    _, idle = weights(problem_of(noisy_log("a.csv", 0), loaded(resting(1, 0.3))))
-    assert idle == pytest.approx(1.0)
+    assert weights(noisy_log("a.csv", 0), loaded(resting(1, 0.3)))[1] == pytest.approx(1.0)
 
 
 def test_a_noisy_log_does_not_hide_the_rotor():
