@@ -56,10 +56,6 @@ def absolute():
     return replaced([GOOD["q1"] + GOOD["q2"], GOOD["dq1"] + GOOD["dq2"]], "q2", "dq2")
 
 
-def with_zero(q1, q2):
-    return replaced([GOOD["q1"] + q1, GOOD["q2"] + q2], "q1", "q2")
-
-
 def without_velocity(table):
     return {name: values for name, values in table.items() if not name.startswith("dq")}
 
@@ -175,11 +171,11 @@ SUSPECTED = [
     ("absolute q2", absolute(), {}),
     ("q2 not absolute", GOOD, {"second_joint_absolute": True}),
     ("q2 of the other sign", scaled(-1, "q2", "dq2"), {}),
-    ("zero upright", with_zero(np.pi, 0), {}),
-    ("zero horizontal", with_zero(np.pi / 2, 0), {}),
-    ("zero horizontal, other side", with_zero(-np.pi / 2, 0), {}),
-    ("zero folded back", with_zero(0, np.pi), {}),
-    ("zero at a right angle", with_zero(0, np.pi / 2), {}),
+    ("zero upright", shifted("q1", np.pi, 0), {}),
+    ("zero horizontal", shifted("q1", np.pi / 2, 0), {}),
+    ("zero horizontal, other side", shifted("q1", -np.pi / 2, 0), {}),
+    ("zero folded back", shifted("q2", np.pi, 0), {}),
+    ("zero at a right angle", shifted("q2", np.pi / 2, 0), {}),
     ("q1 in half as many counts", scaled(2, "q1", "dq1"), {}),
     ("q2 in four times the counts", scaled(0.25, "q2", "dq2"), {}),
     ("both in twice the counts", scaled(0.5, "q1", "q2", "dq1", "dq2"), {}),

@@ -49,6 +49,13 @@ def text(table, digits=9):
     return "\n".join([",".join(table), *map(",".join, zip(*cells, strict=True))]) + "\n"
 
 
+def write(folder, content):
+    """A log file of a table, text or bytes."""
+    path, content = folder / "log.csv", text(content) if isinstance(content, dict) else content
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
 def log_of(r, **changes):
     return Log(name="log.csv", t=r.t, q=r.q, tau=r.tau, dq=r.dq, **changes)
 

@@ -7,7 +7,7 @@ import pytest
 import yaml
 from kept import same
 from log_damage import GOOD, NOISE, REFUSED, SUSPECTED, absolute, scaled
-from log_example import BETA, motion, text
+from log_example import BETA, motion, write
 
 from repro.errors import InputError
 from repro.logs import torque_limits
@@ -16,14 +16,6 @@ from repro.logs.diagnostics import describe, diagnose
 from repro.logs.load import read_log
 from repro.logs.log import Log, uniform
 from repro.model.dynamics import forward_dynamics
-
-
-def write(folder, content):
-    path = folder / "log.csv"
-    if isinstance(content, dict):
-        content = text(content)
-    path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return path
 
 
 def described(path, arm):
@@ -130,9 +122,7 @@ def test_noise_of_the_torque_of_joint_2_hides_no_convention(table, named):
 
 
 def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path):
-    path = tmp_path / "log.csv"
-    path.write_text("Zeit,Schulter [deg],q2,M1,M2\n0,0,0,0,0\n", encoding="utf-8")
     with pytest.raises(InputError) as refused:
-        read_log(path, Arm())
+        read_log(write(tmp_path, "Zeit,Schulter [deg],q2,M1,M2\n0,0,0,0,0\n"), Arm())
     skeleton = yaml.safe_load("columns:" + str(refused.value).rpartition("columns:")[2])
     assert skeleton["columns"] == {"time": "Zeit", "q1": "Schulter [deg]", "q2": "q2", "tau1": "M1", "tau2": "M2"}

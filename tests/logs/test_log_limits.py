@@ -3,13 +3,14 @@
 import os
 import time
 import tracemalloc
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from log_example import columns, recording, text
+from log_example import columns, recording, text, write
 
 from repro.errors import InputError
 from repro.logs import table
@@ -32,12 +33,7 @@ def refusal(path):
 
 @pytest.fixture
 def file(tmp_path):
-    def write(content):
-        path = tmp_path / "log.csv"
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
-        return path
-
-    return write
+    return partial(write, tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -116,8 +112,7 @@ def test_damage_never_breaks_the_reader(tmp_path_factory, seed, edits):
     for edit in edits:
         place = int(rng.integers(len(data)))
         data = data[:place] + edit + data[place + int(rng.integers(3)) :]
-    path = tmp_path_factory.mktemp("damaged") / "log.csv"
-    path.write_bytes(data)
+    path = write(tmp_path_factory.mktemp("damaged"), data)
     try:
         log = read_log(path, Arm())
         describe(log, Arm())

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fake_board import CONTROL, metadata, motion
-from log_example import assert_same, columns, recording, text
+from log_example import assert_same, columns, recording, text, write
 
 from repro.fpga.capture import to_table, write_capture
 from repro.fpga.frames import encode
@@ -117,8 +117,7 @@ def test_signs_zeros_and_absolute_angles_are_put_right(read):
     ],
 )
 def test_what_surrounds_the_numbers_does_not_matter(tmp_path, old, new):
-    (tmp_path / "log.csv").write_bytes(text(TABLE, 15).replace(old, new).encode())
-    assert_same(read_log(tmp_path / "log.csv", Arm()), GOOD)
+    assert_same(read_log(write(tmp_path, text(TABLE, 15).replace(old, new)), Arm()), GOOD)
 
 
 def test_wrapped_angles_are_unwrapped_and_noted(read):
