@@ -142,7 +142,8 @@ def rounded(parameter: Parameter) -> Rounded:
     estimate, error = parameter.estimate, parameter.standard_error
     values = (estimate, error, parameter.low, parameter.high)
     if not all(value is None or math.isfinite(value) for value in values):
-        return Rounded(*("" if value is None else significant(value) for value in values), power="")
+        shown, spread, low, high = ("" if value is None else significant(value) for value in values)
+        return Rounded(shown, spread, low, high, "")
     largest = max(abs(estimate), error or 0.0)
     last = _power(error) - 1 if error else (_power(estimate) - 3 if estimate else 0)
     (shown, spread, low, high), times = _print(values, _power(largest) if largest > 0.0 else 0, last)
