@@ -1,6 +1,5 @@
 """The arm file: conventions and limits of an arm that the header of a recording does not state."""
 
-import csv
 import re
 from collections.abc import Callable, Mapping
 from functools import wraps
@@ -71,14 +70,10 @@ class Units(TypedDict, total=False):
     torque: Literal["N m", "mN m", "N cm", "A", "mA", "counts"]
 
 
-with Path(__file__).with_name("arm_keys.csv").open(encoding="utf-8") as _file:
-    _KEYS = {row["key"]: row for row in csv.DictReader(_file)}
-
-
-def _key(name: str, default: object = None, **factory: Any) -> Any:  # noqa: ANN401
-    """Describe a key by its row in ``arm_keys.csv``: what it should be and means, and what happens without it."""
-    given = factory or {"default": default}
-    return Field(**given, description=_KEYS[name]["meaning"], json_schema_extra=_KEYS[name])
+def _key(expected: str, meaning: str = "", absent: str = "none", **default: Any) -> Any:  # noqa: ANN401
+    """Describe a key: what it should be and means, and what happens without it (which is None if not given)."""
+    given = default or {"default": None}
+    return Field(**given, description=meaning, json_schema_extra={"expected": expected, "absent": absent})
 
 
 def _one_line(cls: type[Any]) -> type[Any]:
@@ -118,27 +113,85 @@ class Arm:
     ((1.0, 1.0), 9.80665)
     """
 
-    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+\Z")] = _key("name", "arm")
-    columns: Annotated[dict[Signal, _Text], _different] = _key("columns", default_factory=dict)
-    topic: _Text | None = _key("topic")
-    units: Units = _key("units", default_factory=Units)
-    counts_per_turn: _TwoPositive | None = _key("counts_per_turn")
-    torque_constant: Annotated[tuple[_Constant, _Constant], _Both] | None = _key("torque_constant")
-    torque_offset: Annotated[tuple[_Number, _Number], _Both] = _key("torque_offset", (0.0, 0.0))
-    torque_scale: _TwoPositive = _key("torque_scale", (1.0, 1.0))
-    sign: _TwoSigns = _key("sign", (1.0, 1.0))
-    torque_sign: _TwoSigns = _key("torque_sign", (1.0, 1.0))
-    zero: Annotated[tuple[_Angle, _Angle], _Both] = _key("zero", (0.0, 0.0))
-    second_joint_absolute: bool = _key("second_joint_absolute", default=False)
-    torque_limit: _TwoPositive | None = _key("torque_limit")
-    position_limit: _TwoRanges | None = _key("position_limit")
-    speed_limit: _TwoPositive | None = _key("speed_limit")
-    workspace: _TwoRanges | None = _key("workspace")
-    plane: Literal["vertical", "horizontal"] = _key("plane", "vertical")
-    gravity: _Positive = _key("gravity", STANDARD_GRAVITY)
-    link_lengths: _TwoPositive | None = _key("link_lengths")
-    friction_steepness: Annotated[_Positive | None, _Automatic] = _key("friction_steepness", LAMBDA)
-    delay: Annotated[Annotated[float, Field(ge=-1, le=1)] | None, _Automatic] = _key("delay")
+    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+\Z")] = _key(
+        "text on one line", "shown in the report and the exports", default="arm"
+    )
+    columns: Annotated[dict[Signal, _Text], _different] = _key(
+        "headers of the log by signal, such as 'q1: shoulder angle'",
+        "signals are `time`, `q1`, `q2`, `dq1`, `dq2`, `tau1`, `tau2`",
+        "found by name",
+        default_factory=dict,
+    )
+    topic: _Text | None = _key("the name of a topic, as text", "of a bag, with the joint states", "the only one")
+    units: Units = _key(
+        "units by kind of signal, such as 'position: deg'",
+        "of all columns of a kind (`time`, `position`, `velocity`, `torque`), whatever the header states",
+        "from the header, else SI",
+        default_factory=Units,
+    )
+    counts_per_turn: _TwoPositive | None = _key(
+        "two numbers above 0, the counts in a turn of joint 1 and of joint 2",
+        "a turn of the **joint**: counts per motor turn times the gear ratio",
+    )
+    torque_constant: Annotated[tuple[_Constant, _Constant], _Both] | None = _key(
+        "two numbers other than 0, N m at the joint for 1 A or for 1 count, joint 1 and joint 2",
+        "gear included; a count is one of PWM",
+    )
+    torque_offset: Annotated[tuple[_Number, _Number], _Both] = _key(
+        "two numbers, the torque recorded where none acts, N m", default=(0.0, 0.0)
+    )
+    torque_scale: _TwoPositive = _key(
+        "two numbers above 0, the torque recorded over the one that acts",
+        "the offset is subtracted first",
+        default=(1.0, 1.0),
+    )
+    sign: _TwoSigns = _key(
+        "two numbers, each 1 or -1",
+        "-1 where position, velocity and torque of a joint count in the opposite direction",
+        default=(1.0, 1.0),
+    )
+    torque_sign: _TwoSigns = _key(
+        "two numbers, each 1 or -1", "-1 where only the torque does, in addition to `sign`", default=(1.0, 1.0)
+    )
+    zero: Annotated[tuple[_Angle, _Angle], _Both] = _key(
+        "two numbers, the position recorded where the angle of Eq. 1 is 0, rad",
+        "in rad whatever the unit of the log, within a turn",
+        default=(0.0, 0.0),
+    )
+    second_joint_absolute: bool = _key(
+        "true or false", "whether `q2` was measured from the vertical and not from link 1", default=False
+    )
+    torque_limit: _TwoPositive | None = _key(
+        "two numbers above 0, the largest torque of joint 1 and of joint 2, N m",
+        "without it a largest value that occurs repeatedly counts as one",
+    )
+    position_limit: _TwoRanges | None = _key(
+        "two ranges, lowest and highest angle of Eq. 1 of joint 1 and of joint 2, rad",
+        "for `repro excite`; joint 2 relative to link 1, whatever `zero` and `sign` state",
+    )
+    speed_limit: _TwoPositive | None = _key(
+        "two numbers above 0, the largest speed of joint 1 and of joint 2, rad/s", "for `repro excite`"
+    )
+    workspace: _TwoRanges | None = _key(
+        "two ranges, of x and of y of elbow and tip from joint 1, m",
+        "for `repro excite`, with `link_lengths`: x to the right, y up, joint 1 at 0, 0",
+    )
+    plane: Literal["vertical", "horizontal"] = _key(
+        "vertical or horizontal", "in a horizontal plane g1 and g2 are zero and not estimated", default="vertical"
+    )
+    gravity: _Positive = _key("a number above 0, m/s^2", "for the exports", default=STANDARD_GRAVITY)
+    link_lengths: _TwoPositive | None = _key(
+        "two numbers above 0, the lengths of link 1 and link 2, m",
+        "for `workspace` and the exports: l1 is compared, l2 guides the choice of m2",
+    )
+    friction_steepness: Annotated[_Positive | None, _Automatic] = _key(
+        "a number above 0, s/rad, or auto",
+        "lambda of Eq. 1; `auto` chooses the best of 5, 10, 20, 50, 100, 200",
+        default=LAMBDA,
+    )
+    delay: Annotated[Annotated[float, Field(ge=-1, le=1)] | None, _Automatic] = _key(
+        "a number from -1 to 1, s, or auto", "how much later than recorded the torque acts", "`auto`"
+    )
     file: str = Field(default="arm file", exclude=True)  # where this was read, for messages
 
 

@@ -13,8 +13,13 @@ from repro.logs.armfile import Arm, Kind, Signal
 
 #: Signals of a log and what kind each is.
 KINDS: Final[dict[Signal, Kind]] = {
-    **{"time": "time", "q1": "position", "q2": "position"},
-    **{"dq1": "velocity", "dq2": "velocity", "tau1": "torque", "tau2": "torque"},
+    "time": "time",
+    "q1": "position",
+    "q2": "position",
+    "dq1": "velocity",
+    "dq2": "velocity",
+    "tau1": "torque",
+    "tau2": "torque",
 }
 
 _SECOND = ("/s", "s", "/sec", "persec", "ps", "pers", "/second", "s1", "s^1")
