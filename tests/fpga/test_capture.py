@@ -22,7 +22,8 @@ from repro.fpga.sidecar import Host
 DESIRED, POSITION, PWM = motion(400)
 FRAMES = encode(POSITION, PWM)
 METADATA = metadata(DESIRED)
-HOST = Host("socket://127.0.0.1:5000", 115200, "2026-01-31T12:00:00.000+00:00", ((800, 0.05), (3200, 0.1)))
+CHUNKS = ((800, 0.05), (3200, 0.1))
+HOST = Host(port="socket://127.0.0.1:5000", baud=115200, began="2026-01-31T12:00:00.000+00:00", chunks=CHUNKS)
 
 
 @pytest.fixture
@@ -35,7 +36,7 @@ def stored(tmp_path):
 @pytest.mark.parametrize("board", [None, IDENTITY])
 @pytest.mark.parametrize(("data", "reason"), [(FRAMES, ""), (FRAMES[:1001], "disconnected")])
 def test_what_is_written_is_read(tmp_path, host, board, data, reason):
-    host = host and dataclasses.replace(host, chunks=((800, 0.05), (len(data), 0.1)))
+    host = host and host.model_copy(update={"chunks": ((800, 0.05), (len(data), 0.1))})
     given_metadata = metadata(DESIRED, board=board, host=host, end_reason=reason)
     path = tmp_path / "new" / "T4.bin"
     write_capture(path, data, given_metadata)

@@ -6,7 +6,7 @@ A capture is used as a recording at even instants, is checked by the control law
 import hashlib
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -160,7 +160,7 @@ def read_capture(path: str | Path) -> Capture:
         found = str(error).removeprefix("program: ").rstrip(".")
         raise InputError.at(f"{program_file}: program", found, f"what {sidecar_file.name} says") from error
     capture = decode_capture(data, metadata, str(path))
-    for name, count in asdict(capture.counts).items():
+    for name, count in capture.counts:
         if content["counts"][name] != count:
             expected = f"{count}, as in {path.name}"
             raise InputError.at(f"{sidecar_file}: counts.{name}", content["counts"][name], expected)

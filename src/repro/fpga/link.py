@@ -79,7 +79,7 @@ def record(
     if receiver.good == 0:
         found = _no_frames(len(receiver.data), reason, baud, silence)
         raise InputError.at(port, found, f"{metadata.samples} frames")
-    host = Host(port, baud, began, tuple(receiver.stamps))
+    host = Host(port=port, baud=baud, began=began, chunks=tuple(receiver.stamps))
     return bytes(receiver.data), replace(metadata, board=board, host=host, end_reason=reason)
 
 

@@ -22,11 +22,13 @@ locked    no such candidate within 64 bytes                  read these 64 bytes
 
 import struct
 from dataclasses import dataclass
-from typing import Final
+from typing import Annotated, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
+from repro.documents import Section
 from repro.fpga.frames import FRAME_BYTES, IDENTIFIER, MAX_STEP, Int16Array, is_valid, split_words
 
 #: Why no frame begins at a byte, in the order of the checks; see `Counts`.
@@ -68,21 +70,23 @@ class Gap:
     reason: str  # why no frame was accepted at `offset`: one of `REASONS`
 
 
-@dataclass(frozen=True)
-class Counts:
+Count = Annotated[int, Field(ge=0)]
+
+
+class Counts(Section):
     """Use of every byte so far: ``received = 8 good + skipped + undecided``; the six reasons add up to `skipped`."""
 
-    received: int = 0
-    good: int = 0  # frames accepted
-    skipped: int = 0
-    identifier: int = 0  # skipped: no identifier
-    zero_bits: int = 0  # skipped: an identifier whose last two bits are not zero
-    torque: int = 0  # skipped: a torque of -1024
-    step: int = 0  # skipped: further from the last good frame than a joint can have moved
-    unconfirmed: int = 0  # skipped: a possible frame without the neighbours that would confirm it
-    incomplete: int = 0  # skipped: an identifier less than a frame before the end of the stream
-    gaps: int = 0
-    lost: int = 0  # sum of the gaps' estimates of frames missing
+    received: Count
+    good: Count  # frames accepted
+    skipped: Count
+    identifier: Count  # skipped: no identifier
+    zero_bits: Count  # skipped: an identifier whose last two bits are not zero
+    torque: Count  # skipped: a torque of -1024
+    step: Count  # skipped: further from the last good frame than a joint can have moved
+    unconfirmed: Count  # skipped: a possible frame without the neighbours that would confirm it
+    incomplete: Count  # skipped: an identifier less than a frame before the end of the stream
+    gaps: Count
+    lost: Count  # sum of the gaps' estimates of frames missing
 
 
 class StreamParser:
