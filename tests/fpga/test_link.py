@@ -159,8 +159,7 @@ def test_a_recording_ends_with_the_last_sample_or_keeps_what_arrived(data, size,
     pieces = [data[i : i + size] for i in range(0, len(data), size)]
     progress = []
     receiver = Receiver(samples, 0.1, lambda piece: None)
-    receiver.run(Line(*pieces, end), lambda done, total: progress.append((done, total)))
-    reason = receiver.close()
+    reason = receiver.run(Line(*pieces, end), lambda done, total: progress.append((done, total)))
     assert (bytes(receiver.data), reason, receiver.good) == expected
     assert [done for done, _ in progress] == sorted(done for done, _ in progress)
     assert progress[-1][1] == samples
@@ -187,8 +186,7 @@ class Ticking:
 def test_a_device_that_sends_no_frame_ends_a_recording(piece, seconds):
     line, kept = Ticking(piece, seconds), []
     receiver = Receiver(200, 2.0, kept.append, line.clock)
-    receiver.run(line, lambda done, total: None)
-    assert (receiver.close(), receiver.good) == ("overrun", 0)
+    assert (receiver.run(line, lambda done, total: None), receiver.good) == ("overrun", 0)
     assert line.now < 15.0  # a motion of 0.5 s
     assert b"".join(kept) == receiver.data
     assert 0 < len(receiver.data) <= most_bytes(200)

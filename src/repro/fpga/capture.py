@@ -65,9 +65,8 @@ class Capture:
 def decode_capture(data: bytes, metadata: CaptureMetadata, place: str = "recording") -> Capture:
     """Decode the bytes of a recording; `place` names it in messages."""
     parser = StreamParser()
-    parts = (parser.feed(data), parser.finish())
-    position = np.concatenate([part.position for part in parts], axis=1)
-    pwm = np.concatenate([part.pwm for part in parts], axis=1)
+    first, rest = parser.feed(data), parser.finish()
+    position, pwm = np.hstack([first.position, rest.position]), np.hstack([first.pwm, rest.pwm])
     lost_before = np.zeros(position.shape[1] + 1, dtype=np.int64)
     for gap in parser.gaps:
         lost_before[gap.next_frame] += gap.lost
@@ -80,9 +79,14 @@ def write_capture(path: Path, data: bytes, metadata: CaptureMetadata, overwrite:
     check_target(path, overwrite)
     capture = decode_capture(data, metadata, str(path))
     _, program_file, sidecar_file = files_of(path)
-    _write_bytes(path, data)
+
+    def write(file: Path, content: bytes) -> None:
+        atomic_write(file, lambda temporary: temporary.write_bytes(content))
+        file.chmod(0o444)
+
+    write(path, data)
     try:
-        _write_bytes(program_file, metadata.program)
+        write(program_file, metadata.program)
         write_json(sidecar_file, sidecar(metadata, data, capture.counts))
     except BaseException:
         for file in files_of(path):  # the rest of a capture that was to be replaced no longer fits
@@ -95,12 +99,6 @@ def write_capture(path: Path, data: bytes, metadata: CaptureMetadata, overwrite:
 def files_of(path: Path) -> tuple[Path, Path, Path]:
     """Name the files of a capture: ``NAME.bin``, ``NAME.program`` and ``NAME.json``."""
     return path, path.with_suffix(".program"), path.with_suffix(".json")
-
-
-def _write_bytes(path: Path, data: bytes) -> None:
-    """Write a file that is whole or absent, read-only afterwards."""
-    atomic_write(path, lambda temporary: temporary.write_bytes(data))
-    path.chmod(0o444)
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -189,7 +187,7 @@ def recording_of(capture: Capture) -> tuple[Array, Array]:
 
     Gaps of few samples are interpolated linearly.
     """
-    n, good = capture.metadata.samples, len(capture.index)
+    n, good, lost = capture.metadata.samples, len(capture.index), capture.counts.lost
     if not capture.complete:
         raise InputError.at(capture.place, f"an incomplete recording ({capture.metadata.end_reason})", "a complete one")
     for gap in capture.gaps:
@@ -198,32 +196,25 @@ def recording_of(capture: Capture) -> tuple[Array, Array]:
             raise InputError.at(where, f"a gap of about {gap.lost} samples", f"at most {LONGEST_GAP}")
         if gap.lost and gap.next_frame in (0, good):
             raise InputError.at(where, f"a gap of about {gap.lost} samples", "gaps between samples only")
-    if good + capture.counts.lost != n:
-        found = f"{good} and about {capture.counts.lost} lost"
-        raise InputError.at(f"{capture.place}: samples", found, f"{n} together")
-    instants = np.arange(n)
-    q, tau = (
-        np.stack([np.interp(instants, capture.index, joint) for joint in rows]) for rows in (capture.q, capture.tau)
-    )
-    return q, tau
+    if good + lost != n:
+        raise InputError.at(f"{capture.place}: samples", f"{good} and about {lost} lost", f"{n} together")
+    q1, q2, tau1, tau2 = (np.interp(np.arange(n), capture.index, joint) for joint in (*capture.q, *capture.tau))
+    return np.stack([q1, q2]), np.stack([tau1, tau2])
 
 
 def verify_control(capture: Capture) -> tuple[int, NDArray[np.int64]]:
     """Recompute the torque of each frame from the positions, bit by bit as the board does (Eq. 2).
 
-    Gives the number of frames checked, which is all but those right after a gap, and the indices of those that differ.
-    The protocol has no checksum, but the torque follows from this position, the one before and the desired one. So
-    a flipped bit that the parser cannot see is found here, in its own frame or in the one after it.
+    Gives the number of frames checked, all but those right after a gap, and the indices of those that differ. A
+    flipped bit that the parser cannot see is found here, in its own frame or in the one after it.
     """
-    q_d = capture.metadata.desired
-    index = capture.index
-    before = np.concatenate([[-1], index[:-1]])
-    checked = np.flatnonzero((index - before == 1) & (index < q_d.shape[1]))
-    control = PDController(capture.metadata.control.kp_counts, capture.metadata.control.kv_counts)
+    index, constants, position = capture.index, capture.metadata.control, capture.position.astype(np.int32)
+    checked = np.flatnonzero((np.diff(index, prepend=-1) == 1) & (index < capture.metadata.desired.shape[1]))
+    q_d = capture.metadata.desired[:, index[checked]]
+    control = PDController(constants.kp_counts, constants.kv_counts)
     # Each frame is one arm of the batch: one call with the position before, one with the position.
-    position = capture.position.astype(np.int32)
-    control(q_d[:, index[checked]], position[:, np.maximum(checked - 1, 0)])
-    pwm = control(q_d[:, index[checked]], position[:, checked])
+    control(q_d, position[:, np.maximum(checked - 1, 0)])
+    pwm = control(q_d, position[:, checked])
     return checked.size, checked[(pwm != capture.pwm[:, checked]).any(axis=0)]
 
 
@@ -231,12 +222,7 @@ def to_table(capture: Capture) -> pd.DataFrame:
     """Tabulate the frames that arrived; `gap` is 1 where samples are missing before the frame."""
     gaps = np.zeros(len(capture.index) + 1, dtype=np.int64)
     gaps[[gap.next_frame for gap in capture.gaps if gap.lost]] = 1
-    columns: dict[str, NDArray[np.generic]] = {"time_s": capture.time}
-    for names, rows in (
-        (("q1_rad", "q2_rad"), capture.q),
-        (("tau1_Nm", "tau2_Nm"), capture.tau),
-        (("q1_counts", "q2_counts"), capture.position),
-        (("pwm1", "pwm2"), capture.pwm),
-    ):
-        columns |= dict(zip(names, rows, strict=True))
-    return pd.DataFrame(columns | {"gap": gaps[:-1], "simulated": int(capture.metadata.source == "simulated")})
+    names = ("time_s", "q1_rad", "q2_rad", "tau1_Nm", "tau2_Nm", "q1_counts", "q2_counts", "pwm1", "pwm2", "gap")
+    columns = (capture.time, *capture.q, *capture.tau, *capture.position, *capture.pwm, gaps[:-1])
+    table = pd.DataFrame(dict(zip(names, columns, strict=True)))
+    return table.assign(simulated=int(capture.metadata.source == "simulated"))

@@ -54,10 +54,9 @@ def record(
     Unplugging, `silence` (s), Ctrl-C, and more bytes or seconds than the motion can take end a recording early: the
     arm is sent the command to stop, and what arrived is kept. `keep` is called with each piece as it arrives.
     """
-    line = _open(port, baud)
     receiver = Receiver(metadata.samples, silence, keep)
     reason: EndReason = "interrupted"
-    try:
+    with _open(port, baud) as line:
         with _reported(port):
             _wait_until_quiet(line, port)
             board = _identity(line, port)
@@ -68,16 +67,19 @@ def record(
         try:
             with _reported(port):
                 _send(line, encode_start(metadata.samples))
-            receiver.run(line, Progress(f"recording from {port}"))
-            reason = receiver.close()
+            reason = receiver.run(line, Progress(f"recording from {port}"))
         finally:
             if reason:
                 with suppress(OSError):  # the arm must not go on by itself, if it can still be reached
                     _send(line, encode_message(MessageKind.STOP))
-    finally:
-        line.close()
     if receiver.good == 0:
-        found = _no_frames(len(receiver.data), reason, baud, silence)
+        if receiver.data:
+            found = f"{len(receiver.data)} bytes without a frame (wrong baud rate {baud}, or another device?)"
+        elif reason == "disconnected":
+            found = "nothing before it disappeared"
+        else:
+            causes = "board not powered, another port or baud rate, or a download that the board refused?"
+            found = f"nothing in the {silence:g} s after the start ({causes})"
         raise InputError.at(port, found, f"{metadata.samples} frames")
     host = Host(port=port, baud=baud, began=began, chunks=tuple(receiver.stamps))
     return bytes(receiver.data), replace(metadata, board=board, host=host, end_reason=reason)
@@ -92,25 +94,13 @@ def _reported(port: str) -> Iterator[None]:
         raise InputError.at(port, f"a port that failed ({error})", "one that takes the download") from error
 
 
-def _no_frames(received: int, reason: EndReason, baud: int, silence: float) -> str:
-    """Describe what came instead of frames, and possible causes."""
-    if received:
-        return f"{received} bytes without a frame (wrong baud rate {baud}, or another device?)"
-    if reason == "disconnected":
-        return "nothing before it disappeared"
-    return (
-        f"nothing in the {silence:g} s after the start (board not powered, another port or baud rate, "
-        "or a download that the board refused?)"
-    )
-
-
 def _open(port: str, baud: int) -> serial.SerialBase:
     try:
         return serial.serial_for_url(port, baudrate=baud, timeout=0, write_timeout=5.0, exclusive=True)
     except (OSError, ValueError, OverflowError) as error:
+        found = f"one that cannot be opened ({' '.join(str(error).split())})"
         expected = "a serial device, a pseudo-terminal or socket://HOST:PORT of a board"
-        why = " ".join(str(error).split())
-        raise InputError.at(f"port {port}", f"one that cannot be opened ({why})", expected) from error
+        raise InputError.at(f"port {port}", found, expected) from error
 
 
 def _send(line: serial.SerialBase, data: bytes, progress: Progress | None = None) -> None:
@@ -139,8 +129,7 @@ def _wait_until_quiet(line: serial.SerialBase, port: str) -> None:
 def _identity(line: serial.SerialBase, port: str) -> Mapping[str, object] | None:
     """Ask the board to identify itself: a simulated one answers, a real one does not."""
     _send(line, encode_message(MessageKind.IDENTIFY))
-    decoder = MessageDecoder()
-    end = time.monotonic() + _IDENTIFY
+    decoder, end = MessageDecoder(), time.monotonic() + _IDENTIFY
     while time.monotonic() < end:
         for message in decoder.feed(_read(line)):
             if message.kind == MessageKind.IDENTITY:
@@ -168,44 +157,44 @@ class Receiver:
         self.good = 0
         self._samples, self._silence, self._keep, self._clock = samples, silence, keep, clock
         self._parser = StreamParser()
-        self._ended: EndReason = ""
 
-    def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> None:
-        """Receive until there is a reason to end; `progress` gets the samples received and expected."""
+    def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> EndReason:
+        """Receive until there is a reason to end, and give it, empty after the last sample.
+
+        `progress` gets the samples received and expected.
+        """
         began = last = self._clock()
         longest = 2.0 * self._samples * SAMPLING_PERIOD + self._silence + _SLACK
+        ended: EndReason = ""
         try:
-            while True:
-                piece = _read(line)
-                now = self._clock()
+            while not ended:
+                piece, now = _read(line), self._clock()
                 if now - began > longest or len(self.data) + len(piece) > most_bytes(self._samples):
-                    self._ended = "overrun"
-                    break
-                if piece:
+                    ended = "overrun"
+                elif piece:
                     last = now
                     if self._accept(piece):
                         break
-                    self._stamp(now - began)
+                    if not self.stamps or now - began - self.stamps[-1][1] >= _STAMP:
+                        self.stamps.append((len(self.data), round(now - began, 6)))
                     progress(min(self.good, self._samples), self._samples)
                 elif now - last >= (_QUIET if self._all_there() else self._silence):
-                    self._ended = "silent"
-                    break
+                    ended = "silent"
                 else:
                     time.sleep(_POLL)
         except OSError:  # pyserial's exceptions are of this kind
-            self._ended = "disconnected"
+            ended = "disconnected"
         except KeyboardInterrupt:
             if not self.data:
                 raise
-            self._ended = "interrupted"
-        self._stamp(last - began, final=True)
+            ended = "interrupted"
+        while self.stamps and self.stamps[-1][0] >= len(self.data):  # of bytes after the last sample, too
+            self.stamps.pop()
+        self.stamps.append((len(self.data), round(last - began, 6)))
         progress(self.good, self._samples)
-
-    def close(self) -> EndReason:
-        """Decide on the last frames; gives why the recording ended before its last sample, empty if it did not."""
         self.good = min(self.good + len(self._parser.finish()), self._samples)
         within = sum(gap.lost for gap in self._parser.gaps if gap.next_frame < self.good)
-        return "" if self.good + within >= self._samples else self._ended
+        return "" if self.good + within >= self._samples else ended
 
     def _accept(self, piece: bytes) -> bool:
         """Add bytes, without those after the last sample; True once all samples have come."""
@@ -224,12 +213,6 @@ class Receiver:
         counts = self._parser.counts
         undecided = counts.received - counts.skipped - FRAME_BYTES * counts.good
         return counts.good + undecided // FRAME_BYTES >= self._samples
-
-    def _stamp(self, seconds: float, final: bool = False) -> None:
-        while final and self.stamps and self.stamps[-1][0] >= len(self.data):  # of bytes after the last sample, too
-            self.stamps.pop()
-        if final or not self.stamps or seconds - self.stamps[-1][1] >= _STAMP:
-            self.stamps.append((len(self.data), round(seconds, 6)))
 
 
 #: Space for the sidecar, bytes.
@@ -257,10 +240,9 @@ class RawFile:
 
     def close(self) -> None:
         """Release the reserved space that was not used."""
-        if not self._file.closed:
-            with suppress(OSError):
-                self._file.truncate()
-            self._file.close()
+        with suppress(OSError, ValueError):  # ValueError: closed before
+            self._file.truncate()
+        self._file.close()
 
     def remove(self) -> None:
         """Delete the file."""

@@ -6,8 +6,10 @@ length and payload. This layout is ours: the paper describes the content, not th
 
 import json
 import math
+import re
 import struct
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Final
@@ -76,7 +78,7 @@ class MessageDecoder:
     def feed(self, data: bytes) -> list[Message]:
         """Give the messages complete by now, oldest first."""
         self._data += data
-        spans = _spans(self._data)
+        spans = [*_spans(self._data)]
         messages: list[Message] = []
         place = 0
         for end, start in sorted((end, start) for start, end in spans if _intact(self._data, start, end)):
@@ -90,26 +92,21 @@ class MessageDecoder:
         return messages
 
 
-def _spans(data: bytes) -> list[tuple[int, int]]:
+def _spans(data: bytes) -> Iterator[tuple[int, int]]:
     """Find where messages can begin and end; one whose header is incomplete ends behind the data."""
-    spans = []
-    start = data.find(SYNC)
-    while start >= 0:
+    for start in (sync.start() for sync in re.finditer(bytes([SYNC]), data)):
         kind, length = data[start + 1 : start + 2], data[start + 2 : start + 4]
         if len(length) == 2:
             if int.from_bytes(length) in _LENGTHS.get(kind[0], ()):
-                spans.append((start, start + int.from_bytes(length) + _FRAMING))
+                yield start, start + int.from_bytes(length) + _FRAMING
         elif not kind or kind[0] in _LENGTHS:
-            spans.append((start, len(data) + 1))
-        start = data.find(SYNC, start + 1)
-    return spans
+            yield start, len(data) + 1
 
 
 def _intact(data: bytes, start: int, end: int) -> bool:
     """Check whether the message is complete and its checksum right."""
-    return end <= len(data) and _CHECKSUM.unpack_from(data, end - _CHECKSUM.size)[0] == zlib.crc32(
-        data[start + 1 : end - _CHECKSUM.size]
-    )
+    last = end - _CHECKSUM.size
+    return end <= len(data) and data[last:end] == _CHECKSUM.pack(zlib.crc32(data[start + 1 : last]))
 
 
 def encode_message(kind: MessageKind, payload: bytes = b"") -> bytes:
@@ -156,29 +153,27 @@ def parse_program(data: bytes) -> tuple[ControlConstants, SingleArray]:
     read = sum(len(message.payload) + _FRAMING for message in messages)
     if not messages or read != len(data):
         raise ValueError(f"program: {len(data) - read} of {len(data)} bytes belong to no intact message.")
-    gains, blocks = parse_gains(messages[0]), [parse_trajectory(message) for message in messages[1:]]
-    end = 0
-    for start, desired in blocks:
-        if start != end:
-            raise ValueError(f"program: a block begins at sample {start}, must begin at {end}.")
-        end += desired.shape[1]
-    if not blocks:
+    gains, trajectory = parse_gains(messages[0]), np.empty((2, 0), dtype=np.float32)
+    for start, desired in map(parse_trajectory, messages[1:]):
+        if start != trajectory.shape[1]:
+            raise ValueError(f"program: a block begins at sample {start}, must begin at {trajectory.shape[1]}.")
+        trajectory = np.concatenate([trajectory, desired], axis=1)
+    if not trajectory.size:
         raise ValueError("program: has no trajectory.")
-    return gains, np.concatenate([desired for _, desired in blocks], axis=1)
+    return gains, trajectory
 
 
 def parse_gains(message: Message) -> ControlConstants:
     """Read the controller's constants in PWM counts; ValueError if they are impossible."""
     _check_kind(message, MessageKind.GAINS)
     numbers = _GAINS.unpack(message.payload)
-    counts = (float(PWM_LIMIT), float(PWM_LIMIT))
-    gains = ControlConstants(kp=numbers[0:2], kv=numbers[2:4], pwm_hz=numbers[4:6], full_torque=counts)
-    for name, values in (("kp", gains.kp), ("kv", gains.kv), ("pwm_hz", gains.pwm_hz)):
+    gains = {"kp": numbers[0:2], "kv": numbers[2:4], "pwm_hz": numbers[4:6]}
+    for name, values in gains.items():
         if not all(0.0 <= value < math.inf for value in values):
             raise ValueError(f"{name}: must be finite in single precision and not negative, got {values}.")
-    if min(gains.pwm_hz) == 0.0:
-        raise ValueError(f"pwm_hz: must be positive, got {gains.pwm_hz}.")
-    return gains
+    if min(gains["pwm_hz"]) == 0.0:
+        raise ValueError(f"pwm_hz: must be positive, got {gains['pwm_hz']}.")
+    return ControlConstants(**gains, full_torque=(float(PWM_LIMIT), float(PWM_LIMIT)))
 
 
 def parse_trajectory(message: Message) -> tuple[int, SingleArray]:

@@ -20,7 +20,9 @@ locked    no such candidate within 64 bytes                  read these 64 bytes
 ========= ================================================== =========================================================
 """
 
+import re
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Final
 
@@ -36,6 +38,7 @@ REASONS: Final = ("identifier", "zero_bits", "torque", "step", "unconfirmed", "i
 #: Bytes searched for a frame near the last good one.
 WINDOW: Final = 8 * FRAME_BYTES
 _MARK: Final = bytes([IDENTIFIER])
+_MARKS: Final = re.compile(_MARK)
 # Bytes in which a pair of another alignment must begin to be a rival, bytes over which rivals are compared, and the
 # lead in frames that outweighs the alignment at which the search began.
 _RIVAL_SPAN, _CONTEST_SPAN, _CONTEST_LEAD = 2 * FRAME_BYTES, 64 * FRAME_BYTES, 3
@@ -105,8 +108,8 @@ class StreamParser:
         self._last: Position | None = None
         self._expected = 0
         self._reason = ""
-        # Accepted runs of frames since the last call: their bytes and their places in the stream.
-        self._runs: list[tuple[bytes, int]] = []
+        # Accepted since the last call: bytes of the frames, and where in the stream each begins.
+        self._accepted, self._offsets = bytearray(), list[int]()
 
     @property
     def counts(self) -> Counts:
@@ -139,23 +142,17 @@ class StreamParser:
 
     def _advance(self) -> Frames:
         """Decide on as many bytes as possible."""
-        while self._place < len(self._data):
-            if not (self._follow() if self._locked else self._acquire()):
-                break
-        pieces, starts = [piece for piece, _ in self._runs], [start for _, start in self._runs]
-        words = np.frombuffer(b"".join(pieces), ">u8").astype(np.uint64)
-        lengths = np.array([len(piece) for piece in pieces], dtype=np.int64)
-        # Within a run, bytes of the collection and of the stream differ by a constant.
-        shift = np.array(starts, dtype=np.int64) - (np.cumsum(lengths) - lengths)
-        offset = np.repeat(shift, lengths // FRAME_BYTES) + FRAME_BYTES * np.arange(words.size)
-        self._runs = []
-        return Frames(*split_words(words), offset)
+        self._accepted, self._offsets = bytearray(), []
+        while self._place < len(self._data) and (self._follow() if self._locked else self._acquire()):
+            pass
+        words = np.frombuffer(self._accepted, ">u8").astype(np.uint64)
+        return Frames(*split_words(words), np.array(self._offsets, dtype=np.int64))
 
     def _acquire(self) -> bool:
         """Look for a pair; False if more bytes are needed."""
-        pair = _find_pair(self._data, self._place, len(self._data))
-        self._skip_to(pair if pair >= 0 else len(self._data) - 2 * FRAME_BYTES + 1)
-        if pair < 0:
+        pair = next(_pairs(self._data, self._place, len(self._data)), None)
+        self._skip_to(len(self._data) - 2 * FRAME_BYTES + 1 if pair is None else pair)
+        if pair is None:
             return False
         chosen = choose_alignment(self._data, pair, self._expected - self._base, self._finished)
         if chosen is None:
@@ -214,13 +211,12 @@ class StreamParser:
 
     def _accept(self, n: int) -> None:
         """Accept `n` frames at the present place."""
-        p = self._place
-        end = p + n * FRAME_BYTES
-        offset = self._base + p
+        p, end = self._place, self._place + n * FRAME_BYTES
         first = _candidate(self._data, p)
-        if offset != self._expected or (self._last and first and _distance(self._last, first) > MAX_STEP):
+        if self._base + p != self._expected or (self._last and first and _distance(self._last, first) > MAX_STEP):
             self._record_gap(first)
-        self._runs.append((self._data[p:end], offset))
+        self._accepted += self._data[p:end]
+        self._offsets += range(self._base + p, self._base + end, FRAME_BYTES)
         self._good += n
         self._last = _candidate(self._data, end - FRAME_BYTES)
         self._place = end
@@ -234,10 +230,8 @@ class StreamParser:
         if self._base + start == self._expected:
             self._reason = self._reject_reason(start)
         self._skipped["identifier"] += stop - start - self._data.count(_MARK, start, stop)
-        o = self._data.find(_MARK, start, stop)
-        while o >= 0:
-            self._skipped[self._reject_reason(o)] += 1
-            o = self._data.find(_MARK, o + 1, stop)
+        for mark in _MARKS.finditer(self._data, start, stop):
+            self._skipped[self._reject_reason(mark.start())] += 1
         self._place = stop
 
     def _reject_reason(self, o: int) -> str:
@@ -274,11 +268,9 @@ def choose_alignment(data: bytes, pair: int, grid: int, final: bool) -> int | No
     """
     if not final and len(data) < pair + _RIVAL_SPAN + 2 * FRAME_BYTES:
         return None
-    rivals = {pair % FRAME_BYTES: pair}
-    o = _find_pair(data, pair + 1, pair + _RIVAL_SPAN)
-    while o >= 0:
+    rivals: dict[int, int] = {}
+    for o in _pairs(data, pair, pair + _RIVAL_SPAN):
         rivals.setdefault(o % FRAME_BYTES, o)
-        o = _find_pair(data, o + 1, pair + _RIVAL_SPAN)
     if len(rivals) == 1:
         return pair
     if not final and len(data) < pair + _CONTEST_SPAN + 2 * FRAME_BYTES:
@@ -295,17 +287,12 @@ def choose_alignment(data: bytes, pair: int, grid: int, final: bool) -> int | No
     return rivals[best]
 
 
-def _find_pair(data: bytes, start: int, stop: int) -> int:
-    """Find the first place in ``start ... stop - 1`` of a candidate with a near one right behind it; -1 if none."""
-    stop = min(stop, len(data) - 2 * FRAME_BYTES + 1)
-    o = data.find(_MARK, start, max(start, stop))
-    while o >= 0:
-        if data[o + FRAME_BYTES] == IDENTIFIER:
-            first, second = _candidate(data, o), _candidate(data, o + FRAME_BYTES)
-            if first and second and _distance(first, second) <= MAX_STEP:
-                return o
-        o = data.find(_MARK, o + 1, stop)
-    return -1
+def _pairs(data: bytes, start: int, stop: int) -> Iterator[int]:
+    """Find the places in ``start ... stop - 1`` of a candidate with a near one right behind it."""
+    for mark in _MARKS.finditer(data, start, min(stop, len(data) - 2 * FRAME_BYTES + 1)):
+        first, second = (_candidate(data, o) for o in (mark.start(), mark.start() + FRAME_BYTES))
+        if first and second and _distance(first, second) <= MAX_STEP:
+            yield mark.start()
 
 
 def _candidate(data: bytes, o: int) -> Position | None:
