@@ -211,10 +211,7 @@ def save_network(path: Path, network: nn.Module, metadata: dict[str, str]) -> No
 
 
 def load_network(
-    path: str | Path,
-    settings: NetworkSettings | None = None,
-    fact: str | None = None,
-    precision: Precision = "float32",
+    path: str | Path, settings: NetworkSettings | None = None, fact: str | None = None, precision: Precision = "float32"
 ) -> FactoredCNN:
     """Read the weights into a network for inference.
 

@@ -84,10 +84,7 @@ class ControlLoop:
 
 
 def simulate(
-    plant: "Plant",
-    constants: ControlConstants,
-    desired: Array,
-    progress: Callable[[int, int], None] | None = None,
+    plant: "Plant", constants: ControlConstants, desired: Array, progress: Callable[[int, int], None] | None = None
 ) -> tuple[Int16Array, Int16Array]:
     """Run the closed loop along q_d, (2, N) or (B, 2, N) in rad; gives encoder and PWM counts (B, 2, N)."""
     batch = plant.state.shape[1]

@@ -14,9 +14,8 @@ import termios
 import time
 import tty
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
-from types import FrameType
 from typing import Any, Final
 
 import numpy as np
@@ -98,8 +97,7 @@ class Board:
     def _start(self, samples: int) -> None:
         if self._gains is None:
             raise ValueError("no gains have been received.")
-        missing = int(np.count_nonzero(~self._written[:samples]))
-        if missing:
+        if missing := int(np.count_nonzero(~self._written[:samples])):
             raise ValueError(f"{missing} of {samples} samples of the trajectory have not been received.")
         self._loop = ControlLoop(self._make_plant(), self._gains, self._torque)
         self._sample, self._samples = 0, samples
@@ -111,8 +109,7 @@ class Board:
         """
         if self._loop is None:
             return b""
-        i = self._sample
-        position, pwm = self._loop.step(self._ram[:, i : i + 1])
+        position, pwm = self._loop.step(self._ram[:, self._sample, np.newaxis])
         self._sample += 1
         if self._sample == self._samples:
             self._loop = None
@@ -125,10 +122,12 @@ class PtyEndpoint:
 
     def __init__(self, link: Path | None = None) -> None:
         self._link = link
-        ours = link is not None and link.is_symlink() and str(link.readlink()).startswith("/dev/")
-        if link is not None and os.path.lexists(link) and not ours:
+        if link is not None and os.path.lexists(link) and not self._links_to("/dev/"):
             raise InputError.at(f"link {link}", "a file", "a name to make or a link to a terminal")
         self._open()
+
+    def _links_to(self, start: str) -> bool:
+        return self._link is not None and self._link.is_symlink() and str(self._link.readlink()).startswith(start)
 
     def _open(self) -> None:
         self._master, slave = os.openpty()
@@ -139,8 +138,8 @@ class PtyEndpoint:
         self._poll = select.poll()
         self._poll.register(self._master, select.POLLIN)  # a hang-up is reported always
         if self._link is not None:
+            temporary = self._link.with_name(f".{self._link.name}-{os.getpid()}")
             try:
-                temporary = self._link.with_name(f".{self._link.name}-{os.getpid()}")
                 temporary.unlink(missing_ok=True)
                 temporary.symlink_to(self._device)
                 temporary.replace(self._link)
@@ -157,16 +156,12 @@ class PtyEndpoint:
         """Give a descriptor that does not block while the other end is open; None if it is not within `timeout` s."""
         # Poll reports a hang-up at once for as long as it lasts, so an absent host is polled for now and then. What it
         # sent last is read first.
-        if self._absent():
-            time.sleep(timeout)
-            if self._absent():
-                return None
-        return self._master
-
-    def _absent(self) -> bool:
-        """Whether no host has the terminal open, and none left bytes unread."""
-        events = sum(event for _, event in self._poll.poll(0))
-        return bool(events & select.POLLHUP) and not events & select.POLLIN
+        for pause in (timeout, 0.0):
+            events = sum(event for _, event in self._poll.poll(0))
+            if not events & select.POLLHUP or events & select.POLLIN:
+                return self._master
+            time.sleep(pause)
+        return None
 
     def on_disconnect(self) -> None:
         """Do nothing: the terminal waits for the next host."""
@@ -193,7 +188,7 @@ class PtyEndpoint:
     def close(self) -> None:
         """Remove device and link."""
         os.close(self._master)
-        if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self._device:
+        if self._link is not None and self._links_to(self._device):
             self._link.unlink()
 
 
@@ -242,10 +237,9 @@ Endpoint = PtyEndpoint | SocketEndpoint
 
 
 class BoardServer:
-    """Carries bytes between a board and its host.
+    """Carries bytes between a board and its host, which loses none however slowly it reads.
 
-    Without a host the board goes on to the end of its motion and its frames are lost, as on a real line. With a host
-    nothing is lost, however slowly it reads.
+    Without a host the board goes on to the end of its motion and its frames are lost, as on a real line.
     """
 
     def __init__(
@@ -315,7 +309,7 @@ class BoardServer:
         if self._board.running and not was_running:
             _LOG.info("motion started")
             self._under_way, self._began, self._samples, self._unplugged = True, self._clock(), 0, False
-            self._injector = None if self._make_injector is None else self._make_injector()
+            self._injector = self._make_injector and self._make_injector()
 
     def _advance(self) -> None:
         """Advance the board by the samples that are due."""
@@ -354,29 +348,22 @@ def serve(
     real_time: bool = True,
     injector: Callable[[], ErrorInjector] | None = None,
     once: bool = False,
-    ready: Callable[[str], None] | None = None,
+    ready: Callable[[str], None] = lambda _: None,
     stopped: Callable[[], bool] | None = None,
 ) -> None:
     """Serve a board until a signal or `stopped` ends it, then close its endpoint."""
-    try:
-        with _signals() if stopped is None else nullcontext(stopped) as ended:
-            _LOG.info("listening on %s", endpoint.port)
-            if ready is not None:
-                ready(endpoint.port)
-            BoardServer(board, endpoint, real_time, injector).serve(ended, once)
-    finally:
-        endpoint.close()
+    with closing(endpoint), _signals() if stopped is None else nullcontext(stopped) as ended:
+        _LOG.info("listening on %s", endpoint.port)
+        ready(endpoint.port)
+        BoardServer(board, endpoint, real_time, injector).serve(ended, once)
 
 
 @contextmanager
 def _signals() -> Iterator[Callable[[], bool]]:
     """Give a function that is true once SIGINT or SIGTERM came."""
     received: list[int] = []
-
-    def note(number: int, _: FrameType | None) -> None:
-        received.append(number)
-
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {number: signal.signal(number, lambda came, _: received.append(came)) for number in numbers}
     try:
         yield lambda: bool(received)
     finally:
