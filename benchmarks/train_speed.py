@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 import time
+from pathlib import Path
 
 from repro import contract
 
@@ -21,10 +22,13 @@ import torch
 from repro.cnn.architecture import NetworkSettings, TrainingSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
-from repro.cnn.network import FactoredCNN, SignalCNN, sigmoid_loss
+from repro.cnn.network import FactoredCNN, sigmoid_loss
 from repro.cnn.train import streamed_schedule
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+from literal import SignalCNN
 
 #: Steps a network takes in a row, so that each works from its own cache.
 BLOCK = 10

@@ -8,9 +8,10 @@ import math
 
 import numpy as np
 import torch
+import torch.nn.functional as F  # noqa: N812
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.network import FactoredCNN, SignalCNN
+from repro.cnn.network import FactoredCNN
 from repro.model.dynamics import inverse_dynamics
 from repro.signals.metric import metr2ev
 
@@ -87,6 +88,17 @@ def read(network, picture):
     with torch.no_grad():
         y = 1 / (1 + np.exp(-network(torch.from_numpy(picture)[None]).numpy()[0]))
     return -np.log((1 - y) / y)
+
+
+class SignalCNN(FactoredCNN):
+    """The same layers, applied to images (n, 2, 100, 100) as Fig. 7 and Table 3 have them."""
+
+    def forward(self, image):
+        x = F.max_pool2d(F.relu(self.conv1(image)), 2)  # (n, 2, 100, 100) -> (n, 10, 92, 92) -> (n, 10, 46, 46)
+        x = F.max_pool2d(F.relu(self.conv2(x)), 2)  # -> (n, 10, 42, 42) -> (n, 10, 21, 21)
+        x = F.relu(self.conv3(x))  # -> (n, 10, 19, 19)
+        x = F.relu(self.fc4(x.flatten(1)))  # (n, 3610) -> (n, 100)
+        return self.fc6(F.relu(self.fc5(x)))  # -> (n, 50) -> (n, 9)
 
 
 def plain_twin(network):

@@ -15,7 +15,7 @@ from strategies import seeds
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
-from repro.cnn.network import PIECE, FactoredCNN, SignalCNN, load_network, save_network, sigmoid_loss
+from repro.cnn.network import PIECE, FactoredCNN, load_network, save_network, sigmoid_loss
 from repro.cnn.train import Progress, load_checkpoint, save_checkpoint
 from repro.errors import InputError
 from repro.signals.dct import SignalSettings
@@ -27,7 +27,7 @@ PUBLISHED = NetworkSettings()
 def pair(sizes, precision="float32", seed=0):
     """Plain and factored network with the same weights; biases not zero."""
     torch.manual_seed(seed)
-    plain = SignalCNN(sizes)
+    plain = literal.SignalCNN(sizes)
     for layer in plain.children():
         torch.nn.init.normal_(layer.bias, std=0.1)
     factored = FactoredCNN(sizes, precision)
@@ -125,7 +125,7 @@ def test_tied_pixels_of_a_pool_share_its_gradient(tied, monkeypatch):
 )
 def test_sizes_that_leave_no_even_map_are_refused(wrong):
     with pytest.raises(ValueError, match="kernels"):
-        SignalCNN(NetworkSettings(**wrong))
+        FactoredCNN(NetworkSettings(**wrong))
 
 
 @given(seeds, st.floats(0.1, 5.0))

@@ -8,8 +8,7 @@ import torch
 from scipy.stats import multivariate_normal, norm
 
 from repro.cnn.dataset import DataSettings, draw_torques, sample_motion
-from repro.cnn.flow import Flow
-from repro.cnn.plain import PlainNetwork, PlainSettings, load_posterior, save_posterior, train_posterior
+from repro.cnn.plain import Flow, PlainNetwork, PlainSettings, load_posterior, save_posterior, train_posterior
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 

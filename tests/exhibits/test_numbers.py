@@ -13,7 +13,7 @@ from factorial_example import factorial_references, factorial_scores
 from kept import same
 
 from repro.cnn.architecture import NetworkSettings
-from repro.cnn.network import SignalCNN
+from repro.cnn.network import FactoredCNN
 from repro.exhibits import catalogue, network_training, style
 from repro.exhibits.declare import make_exhibit
 from repro.files import write_csv
@@ -86,7 +86,7 @@ def test_the_kept_synthesis_gives_the_kept_size_of_the_board(tmp_path):
 
 
 def test_kernel_power_peaks_at_the_frequency_of_the_kernel():
-    net = SignalCNN(NetworkSettings(hidden=(4, 3)))
+    net = FactoredCNN(NetworkSettings(hidden=(4, 3)))
     rows, columns = np.indices((9, 9))
     waves = {
         (0, 0): np.ones((9, 9)),  # zero frequency

@@ -106,4 +106,4 @@ def test_weights_are_read_in_the_arithmetic_that_is_asked_for_and_refused_if_the
     asked = changed(CONFIG, training={"precision": precision})
     assert algorithm1_of("published", weights, asked, said).network.dtype == getattr(torch, precision)
     message = refused(algorithm1_of, "published", weights, asked, "other")
-    assert message == f"{weights}: header: found {said}, expected other, of the network asked for"
+    assert message == f"{weights}: header: found {said}, expected other for the requested network"

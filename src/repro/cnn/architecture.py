@@ -33,28 +33,25 @@ class NetworkSettings:
     @property
     def pooled(self) -> tuple[int, int, int]:
         """Sides of the maps after layers 1, 2 and 3; ValueError if a map does not fit its 2 x 2 pool."""
-        side = self.image_size
-        sides = []
+        sides = [self.image_size]
         for kernel, pool in zip(self.kernels, (2, 2, 1), strict=True):
-            side = side - kernel + 1
+            side = sides[-1] - kernel + 1
             if side <= 0 or side % pool:
                 raise ValueError(f"kernels {self.kernels}: leave a map of side {side}, which a pool of 2 does not fit.")
-            side //= pool
-            sides.append(side)
-        return sides[0], sides[1], sides[2]
+            sides.append(side // pool)
+        return sides[1], sides[2], sides[3]
 
     @property
     def weights(self) -> dict[str, tuple[int, ...]]:
         """Shape of every weight by its name: kernels (output, input, k, k), matrices (output, input), biases."""
-        k1, k2, k3 = self.kernels
-        maps, side = self.maps, self.pooled[2]
+        (k1, k2, k3), maps, (first, second) = self.kernels, self.maps, self.hidden
         shapes: dict[str, tuple[int, ...]] = {
             "conv1": (maps, 2, k1, k1),
             "conv2": (maps, maps, k2, k2),
             "conv3": (maps, maps, k3, k3),
-            "fc4": (self.hidden[0], maps * side * side),
-            "fc5": (self.hidden[1], self.hidden[0]),
-            "fc6": (9, self.hidden[1]),
+            "fc4": (first, maps * self.pooled[2] ** 2),
+            "fc5": (second, first),
+            "fc6": (9, second),
         }
         weights = {f"{layer}.weight": shape for layer, shape in shapes.items()}
         return weights | {f"{layer}.bias": shape[:1] for layer, shape in shapes.items()}
@@ -92,13 +89,12 @@ class TrainingSettings:
 def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None) -> dict[str, NDArray[np.floating]]:
     """Read finite weights of the shapes ``settings.weights``; the header must state the `fact`, if there is one."""
     weights, metadata = read_tensors(path, "weights of a network")
-    header = [*metadata.values()]
-    expected, shapes = settings.weights, {name: w.shape for name, w in weights.items()}
-    if expected != shapes:
-        wrong = sorted(n for n in expected.keys() | shapes.keys() if expected.get(n) != shapes.get(n))[0]
-        raise InputError.at(f"{path}: {wrong}", shapes.get(wrong, "nothing"), f"shape {expected.get(wrong, 'none')}")
+    header, expected, shapes = [*metadata.values()], settings.weights, {name: w.shape for name, w in weights.items()}
+    for name in sorted(expected | shapes):
+        if expected.get(name) != shapes.get(name):
+            raise InputError.at(f"{path}: {name}", shapes.get(name, "nothing"), f"shape {expected.get(name, 'none')}")
     if fact is not None and header != [fact]:
-        raise InputError.at(f"{path}: header", " and ".join(header) or "nothing", f"{fact}, of the network asked for")
+        raise InputError.at(f"{path}: header", " and ".join(header) or "nothing", f"{fact} for the requested network")
     for name, weight in weights.items():
         if not np.isfinite(weight).all():
             raise InputError.at(f"{path}: {name}", "a weight that is not finite", "finite weights")

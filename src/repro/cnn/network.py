@@ -1,7 +1,6 @@
-"""The CNN of Fig. 7 and Table 3: written plainly (`SignalCNN`), and on the factors of its images (`FactoredCNN`).
+"""The CNN of Fig. 7 and Table 3, evaluated on the factors of its images, so that no image is built.
 
-`SignalCNN` is the reference that `FactoredCNN` is tested against. Training and inference use `FactoredCNN`, which never
-builds an image. For a channel Z[d] = sum_r u[d,r] v[d,r]^T the first convolution is
+For a channel Z[d] = sum_r u[d,r] v[d,r]^T the first convolution is
 
     (W * Z)[o, i, j] = sum_{d,r,k} u[d,r,i+k] T[(d,r,k), (o,j)],   T[(d,r,k), (o,j)] = sum_l W[o,d,k,l] v[d,r,j+l],
 
@@ -10,6 +9,7 @@ the four members of each 2 x 2 pool, so pooling is three elementwise maxima, and
 come after it on a quarter of the data.
 """
 
+import itertools
 from pathlib import Path
 from typing import Any, get_args
 
@@ -23,40 +23,6 @@ from repro.files import write_tensors
 
 #: Images at a time in layer 1 without gradients: the values between product and pool then fit into a cache.
 PIECE = 16
-
-
-class SignalCNN(nn.Module):
-    """Convolution 9-pool-5-pool-3, then three fully connected layers."""
-
-    def __init__(self, settings: NetworkSettings) -> None:
-        super().__init__()
-        self.settings = settings
-        k1, k2, k3 = settings.kernels
-        maps, side = settings.maps, settings.pooled[2]
-        self.conv1 = nn.Conv2d(2, maps, k1)
-        self.conv2 = nn.Conv2d(maps, maps, k2)
-        self.conv3 = nn.Conv2d(maps, maps, k3)
-        self.fc4 = nn.Linear(maps * side * side, settings.hidden[0])
-        self.fc5 = nn.Linear(settings.hidden[0], settings.hidden[1])
-        self.fc6 = nn.Linear(settings.hidden[1], 9)
-        for layer in self.children():  # keeps the variance of activations through ReLU layers
-            weight, bias = layer.parameters()
-            nn.init.kaiming_normal_(weight, nonlinearity="relu")
-            nn.init.zeros_(bias)
-
-    def forward(self, image: Tensor) -> Tensor:
-        """Compute the residuals (n, 9), in units of the largest torque, from images (n, 2, 100, 100) of Eq. 9.
-
-        The output of Eq. 13 is sigmoid(c r) and line 20 of Algorithm 1 undoes it, so r itself is returned;
-        `sigmoid_loss` applies the sigmoid.
-        """
-        x = F.max_pool2d(F.relu(self.conv1(image)), 2)  # (n, 2, 100, 100) -> (n, 10, 92, 92) -> (n, 10, 46, 46)
-        x = F.max_pool2d(F.relu(self.conv2(x)), 2)  # -> (n, 10, 42, 42) -> (n, 10, 21, 21)
-        x = F.relu(self.conv3(x))  # -> (n, 10, 19, 19)
-        x = F.relu(self.fc4(x.flatten(1)))  # (n, 3610) -> (n, 100)
-        x = F.relu(self.fc5(x))  # -> (n, 50)
-        residual: Tensor = self.fc6(x)  # -> (n, 9)
-        return residual
 
 
 def sigmoid_loss(residual: Tensor, label: Tensor, gain: float) -> Tensor:
@@ -160,15 +126,27 @@ class _MaxPool2(torch.autograd.Function):
         return grad
 
 
-class FactoredCNN(SignalCNN):
-    """`SignalCNN` evaluated on factors; the weights are the same tensors under the same names.
+class FactoredCNN(nn.Module):
+    """Convolution 9-pool-5-pool-3, then three fully connected layers.
 
     Layers 1 to 4 compute in `precision`. Weights and layers 5 and 6 stay in the weights' own dtype.
     """
 
     def __init__(self, settings: NetworkSettings, precision: str = "float32") -> None:
-        super().__init__(settings)
+        super().__init__()
+        self.settings = settings
         self.dtype: torch.dtype = getattr(torch, precision)
+        (k1, k2, k3), maps, (first, second) = settings.kernels, settings.maps, settings.hidden
+        self.conv1 = nn.Conv2d(2, maps, k1)
+        self.conv2 = nn.Conv2d(maps, maps, k2)
+        self.conv3 = nn.Conv2d(maps, maps, k3)
+        self.fc4 = nn.Linear(maps * settings.pooled[2] ** 2, first)
+        self.fc5 = nn.Linear(first, second)
+        self.fc6 = nn.Linear(second, 9)
+        for layer in self.children():  # keeps the variance of activations through ReLU layers
+            weight, bias = layer.parameters()
+            nn.init.kaiming_normal_(weight, nonlinearity="relu")
+            nn.init.zeros_(bias)
 
     def _cast(self, layer: nn.Module) -> tuple[Tensor, Tensor]:
         """Return weight, channels last if it is a kernel, and bias in the dtype of layers 1 to 4."""
@@ -176,24 +154,18 @@ class FactoredCNN(SignalCNN):
         form = torch.channels_last if weight.ndim == 4 else torch.contiguous_format
         return weight.to(self.dtype, memory_format=form), bias.to(self.dtype)
 
-    def forward(self, u: Tensor, v: Tensor) -> Tensor:  # type: ignore[override]
-        """Compute the residuals (n, 9) of images from their factors u (n, 2, 2, 100) and v of `image_factors`.
+    def forward(self, u: Tensor, v: Tensor) -> Tensor:
+        """Compute the residuals r (n, 9), in units of the largest torque, from factors of Eq. 9 (`image_factors`).
 
-        v is (n, 2, 2, 100), or (1, 2, 2, 100) if all images share it, which only works while layer 1 does not learn.
+        u is (n, 2, 2, 100). So is v, or (1, 2, 2, 100) if all images share it, which only works while layer 1 does not
+        learn. Line 20 of Algorithm 1 undoes the output sigmoid(c r) of Eq. 13, so only `sigmoid_loss` applies it.
         """
         weight, bias = self._cast(self.conv1)
-        u, v = u.to(self.dtype), v.to(self.dtype)
-        form = torch.channels_last  # the fastest layout for the second convolution
-        if weight.requires_grad or bias.requires_grad:
-            x: Tensor = _FirstLayer.apply(u, v, weight, bias)  # type: ignore[no-untyped-call]
-            x = x.contiguous(memory_format=form)  # (n, 10, 46, 46)
-        else:
-            side = self.settings.pooled[0]
-            x = torch.empty(len(u), self.settings.maps, side, side, dtype=self.dtype, memory_format=form)
-            for k in range(0, len(u), PIECE):
-                piece = slice(k, k + PIECE)
-                columns = v[piece] if len(v) > 1 else v
-                x[piece] = _FirstLayer.apply(u[piece], columns, weight, bias)  # type: ignore[no-untyped-call]
+        size = len(u) if weight.requires_grad or bias.requires_grad else PIECE
+        parts, columns = (x.to(self.dtype).split(size) for x in (u, v))  # type: ignore[no-untyped-call]
+        pieces = zip(parts, itertools.cycle(columns), strict=False)
+        x = torch.cat([_FirstLayer.apply(*piece, weight, bias) for piece in pieces])  # type: ignore[no-untyped-call]
+        x = x.contiguous(memory_format=torch.channels_last)  # (n, 10, 46, 46), the fastest layout for layer 2
         # ReLU after the pool: the same function on a quarter of the data.
         x = F.conv2d(x, *self._cast(self.conv2))  # -> (n, 10, 42, 42)
         x = _MaxPool2.apply(x)  # type: ignore[no-untyped-call]

@@ -1,7 +1,7 @@
-"""A plain network from torque to parameters: no image and no guess, the ablation of Eq. 9.
+"""Networks from torque to parameters, without image and guess: the ablation of Eq. 9.
 
-It learns from the same arms and motions as the CNN: the mean and the covariance of the nine parameters given the 200
-torque samples, by the likelihood of a normal distribution (amortised Gaussian posterior, Papamakarios and Murray 2016).
+They learn from the same arms and motions as the CNN, by their likelihood: an amortised posterior (Papamakarios and
+Murray 2016) of the nine parameters given the 200 torque samples, normal (`PlainNetwork`) or of any shape (`Flow`).
 """
 
 import itertools
@@ -16,10 +16,13 @@ import torch
 from torch import Tensor, nn
 
 from repro.cnn.dataset import DataSettings, SampledMotion, draw_torques
+from repro.errors import require
 from repro.files import read_tensors, write_tensors
 from repro.model.parameters import NAMES, Array
 from repro.streams import Stream, stream
 
+#: Features of the torque, transforms of the flow, and the width of the two hidden layers of each.
+FEATURES, TRANSFORMS, HIDDEN = 64, 3, 128
 #: Parameters, and the lower triangle of the factor of their precision matrix.
 _N = len(NAMES)
 _LOWER = torch.tril_indices(_N, _N)
@@ -75,6 +78,40 @@ class PlainNetwork(Posterior):
         return (0.5 * scaled.square().sum(-1) - log_determinant).mean()
 
 
+class Flow(Posterior):
+    """A neural spline flow (Durkan and others 2019) of the package zuko: a posterior of any shape."""
+
+    def __init__(self, samples: int, width: int, mean: Array, covariance: Array) -> None:
+        """Mean (9,) and covariance (9, 9) of the training arms give the range of the splines."""
+        super().__init__()
+        require("zuko", "flow", "study.networks: flow")
+        from zuko.flows import NSF  # noqa: PLC0415  (an extra)
+
+        self.body = nn.Sequential(
+            nn.Linear(2 * samples, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU(), nn.Linear(width, FEATURES)
+        )
+        self.flow = NSF(_N, FEATURES, transforms=TRANSFORMS, hidden_features=(HIDDEN, HIDDEN))
+        self.centre: Tensor
+        self.spread: Tensor
+        self.register_buffer("centre", _tensor(mean))
+        self.register_buffer("spread", _tensor(np.sqrt(np.diag(covariance))))
+
+    def loss(self, alpha: Tensor, beta: Tensor) -> Tensor:
+        """Negative log-likelihood of parameters (n, 9), without the constant of their units."""
+        scaled = (beta - self.centre) / self.spread
+        log_probability: Tensor = self.flow(self.body(alpha)).log_prob(scaled)
+        return -log_probability.mean()
+
+    def sample(self, alpha: Array, normal: Array) -> Array:
+        """Draw parameters (n, 9) behind a torque (2, M) over its largest magnitude from normal numbers (n, 9)."""
+        scaled = self.flow(self.body(_tensor(alpha.reshape(-1)))).transform.inv(_tensor(normal))
+        return np.asarray((self.centre + self.spread * scaled).numpy(), dtype=np.float64)
+
+
+def _tensor(values: Array) -> Tensor:
+    return torch.from_numpy(values.astype(np.float32))
+
+
 def train_posterior(
     make: Callable[[int, int], P],
     motion: SampledMotion,
@@ -92,8 +129,7 @@ def train_posterior(
             group["lr"] = 0.5 * settings.learning_rate * (1.0 + np.cos(np.pi * step / settings.steps))
         alpha, beta_bar, _ = draw_torques(stream(seed, Stream.PLAIN_STEP, step), settings.batch, motion, data)
         optimiser.zero_grad()
-        inputs = torch.from_numpy(alpha.reshape(len(alpha), -1).astype(np.float32))
-        loss = network.loss(inputs, torch.from_numpy(beta_bar.astype(np.float32)))
+        loss = network.loss(_tensor(alpha.reshape(len(alpha), -1)), _tensor(beta_bar))
         loss.backward()  # type: ignore[no-untyped-call]
         nn.utils.clip_grad_norm_(network.parameters(), 10.0)
         optimiser.step()
@@ -104,7 +140,7 @@ def train_posterior(
 
 def read_torque(network: PlainNetwork, alpha: Array) -> tuple[Array, Array]:
     """Mean (9,) of the parameters behind a torque (2, M) over its largest magnitude, and factor (9, 9) of precision."""
-    mean, factor = network(torch.from_numpy(alpha.reshape(1, -1).astype(np.float32)))
+    mean, factor = network(_tensor(alpha.reshape(1, -1)))
     return mean[0].numpy().astype(np.float64), factor[0].numpy().astype(np.float64)
 
 

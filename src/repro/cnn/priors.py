@@ -25,8 +25,8 @@ def _log_uniform(rng: np.random.Generator, low: float, high: float, shape: tuple
 
 def _links_beta(rng: np.random.Generator, n: int) -> Array:
     """Physically consistent arms: log-uniform links, friction log-uniform on [1e-3, 1]."""
-    l1, l2 = (_log_uniform(rng, 0.05, 0.6, (n,)) for _ in range(2))
-    m1, m2 = (_log_uniform(rng, 0.05, 3.0, (n,)) for _ in range(2))
+    l1, l2 = _log_uniform(rng, 0.05, 0.6, (2, n))
+    m1, m2 = _log_uniform(rng, 0.05, 3.0, (2, n))
     lc1, lc2 = l1 * rng.uniform(0.1, 0.9, n), l2 * rng.uniform(0.1, 0.9, n)
     # The inertia of a slender rod, up to three times as much for motors and flanges.
     j1, j2 = m1 * l1**2 / 12 * rng.uniform(0.5, 3, n), m2 * l2**2 / 12 * rng.uniform(0.5, 3, n)
@@ -36,8 +36,8 @@ def _links_beta(rng: np.random.Generator, n: int) -> Array:
 
 def _published_beta(rng: np.random.Generator, n: int) -> Array:
     """Draw links and friction from the ranges as printed."""
-    l1, lc1, lc2, j1 = (rng.uniform(*PUBLISHED_LENGTH, n) for _ in range(4))
-    m1, m2, j2 = (rng.uniform(*PUBLISHED_MASS, n) for _ in range(3))
+    l1, lc1, lc2, j1 = rng.uniform(*PUBLISHED_LENGTH, (4, n))
+    m1, m2, j2 = rng.uniform(*PUBLISHED_MASS, (3, n))
     inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
     return np.concatenate([inertial, rng.uniform(*PUBLISHED_FRICTION, (n, 4))], -1)
 

@@ -113,14 +113,11 @@ def streamed_schedule(net: FactoredCNN, motion: SampledMotion, data: DataSetting
     # Layers 2 and 3 start as the identity, so that all layers learn at once.
     for kernel in (net.conv2.weight, net.conv3.weight):
         nn.init.dirac_(kernel)
-    weights = [p for p in net.parameters() if p.ndim > 1]
-    biases = [p for p in net.parameters() if p.ndim == 1]
+    weights, biases = ([p for p in net.parameters() if (p.ndim > 1) == wide] for wide in (True, False))
+    adam = torch.optim.Adam(biases, lr=s.learning_rate, betas=(0.9, 0.98), fused=True)
     warmup = max(min(s.warmup, s.steps // 4), 1)
     return Schedule(
-        [
-            torch.optim.Adam(biases, lr=s.learning_rate, betas=(0.9, 0.98), fused=True),
-            Muon(weights, s.learning_rate, net.dtype),
-        ],
+        [adam, Muon(weights, s.learning_rate, net.dtype)],
         lambda step: s.learning_rate * min(1.0, (step + 1) / warmup) * (1.0 - step / s.steps),
         lambda step: draw_samples(stream(s.seed, Stream.TRAIN_STEP, step), s.batch, motion, data),
         draw_samples(stream(s.seed, Stream.TEST_SET), s.test_samples, motion, data),
@@ -159,8 +156,7 @@ def train(
 ) -> tuple[FactoredCNN, pd.DataFrame]:
     """Train the network, or go on from the checkpoint of the same run; `report` gets steps, all steps and the loss.
 
-    Its history has `HISTORY_COLUMNS`, the training loss as the mean since the last row, and the wall time in seconds of
-    all runs that contributed.
+    The history has `HISTORY_COLUMNS`, its training loss the mean since the last row, and the seconds of all runs.
     """
     settings = replace(settings, precision=on_this_processor(settings.precision))
     torch.set_deterministic_debug_mode("error")
@@ -170,19 +166,18 @@ def train(
     run = fingerprint(motion, data, network, settings)
     progress = load_checkpoint(checkpoint, net, schedule.optimisers, run) if checkpoint else Progress()
     began = time.perf_counter() - progress.seconds
-    loss_sum, rows = progress.loss_sum, [*progress.rows]
+    loss_sum, rows = progress.loss_sum, progress.rows
     for step in range(progress.step, settings.steps):
-        rate = schedule.rate(step)
-        for group in (g for o in schedule.optimisers for g in o.param_groups):
-            group["lr"] = rate
+        done, rate = step + 1, schedule.rate(step)
         net.conv1.requires_grad_(step < schedule.layer1_steps)
         u, v, residual = _tensors(schedule.batch(step))
         net.zero_grad()
         loss = sigmoid_loss(net(u, v), residual, network.sigmoid_gain)
         (schedule.gradient_gain * loss).backward()  # type: ignore[no-untyped-call]
         for optimiser in schedule.optimisers:
+            for group in optimiser.param_groups:
+                group["lr"] = rate
             optimiser.step()
-        done = step + 1
         loss_sum += float(loss.detach())
         if done % settings.log_every == 0 or done == settings.steps:
             since = (done - 1) % settings.log_every + 1
@@ -204,7 +199,7 @@ class Progress:
     step: int = 0  # steps done
     loss_sum: float = 0.0  # of the training losses since the last row
     seconds: float = 0.0  # wall time so far
-    rows: list[tuple[float, ...]] = field(default_factory=list)  # of the history, with seconds at the end
+    rows: list[Sequence[float]] = field(default_factory=list)  # of the history, with seconds at the end
 
 
 def save_checkpoint(
@@ -225,17 +220,12 @@ def load_checkpoint(path: Path, network: nn.Module, optimisers: Sequence[torch.o
     arrays, header = read_tensors(path, "a checkpoint; delete it to start anew")
     if header.get("training") != run:
         return Progress()
-    weights: dict[str, Tensor] = {}
-    states: list[dict[int, dict[str, Tensor]]] = [{} for _ in optimisers]
+    states: dict[str, dict[str, Tensor]] = {}  # by the part of the name before the last stroke
     for name, array in arrays.items():
-        part, _, key = name.partition("/")
-        if part == "network":
-            weights[key] = torch.from_numpy(array)
-        else:
-            index, _, key = key.partition("/")
-            states[int(part)].setdefault(int(index), {})[key] = torch.from_numpy(array)
-    network.load_state_dict(weights)
-    for optimiser, state in zip(optimisers, states, strict=True):
+        part, _, key = name.rpartition("/")
+        states.setdefault(part, {})[key] = torch.from_numpy(array)
+    network.load_state_dict(states.pop("network"))
+    for k, optimiser in enumerate(optimisers):
+        state = {int(part.split("/")[1]): values for part, values in states.items() if part.startswith(f"{k}/")}
         optimiser.load_state_dict({"state": state, "param_groups": optimiser.state_dict()["param_groups"]})
-    progress = Progress(**json.loads(header["progress"]))
-    return replace(progress, rows=[tuple(row) for row in progress.rows])
+    return Progress(**json.loads(header["progress"]))

@@ -14,9 +14,8 @@ from scipy import linalg
 from scipy.special import ndtr
 
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
-from repro.cnn.flow import Flow
 from repro.cnn.network import save_network
-from repro.cnn.plain import PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
+from repro.cnn.plain import Flow, PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
 from repro.cnn.priors import AroundPrior, Prior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
