@@ -4,7 +4,7 @@ A sample is four 100-vectors (the image's factors) for each channel and nine lab
 extension of ours, off by default, torques may also have unmodelled effects: Stribeck friction, ripple, noise and delay.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Literal
 
@@ -73,21 +73,21 @@ def sample_motion(
     motion: Motion, settings: SignalSettings, proper: slice = slice(None), unmodelled: bool = False
 ) -> SampledMotion:
     """Compute the regressors of a motion; `proper` is what **cut** of Algorithm 1 keeps after filtering."""
-    s = settings
+    filtering = settings.h, settings.c_f, settings.omega_unit
 
-    def sampled(x: Array) -> Array:
-        return dct2sub(dct2low(x, s.h, s.c_f, s.omega_unit)[..., proper], s.samples)
+    def sampled(x: Array, lines: Callable[..., Array] = dct2low) -> Array:
+        return dct2sub(lines(x, *filtering)[..., proper], settings.samples)
 
     y = np.moveaxis(regressor(motion.q, motion.dq, motion.ddq), -1, 0)  # (9, 2, N)
     torque = np.moveaxis(sampled(y), 0, -1)
-    model = image_regressor(motion.q[:, proper], motion.dq[:, proper], motion.ddq[:, proper], s)
+    model = image_regressor(motion.q[:, proper], motion.dq[:, proper], motion.ddq[:, proper], settings)
     if not unmodelled:
         return SampledMotion(torque, model)
     n = np.array(RIPPLE_CYCLES)[:, np.newaxis, np.newaxis]
     waves = np.stack([np.sin(n * motion.q), np.cos(n * motion.q)], axis=1).reshape(-1, *motion.q.shape)  # (2 C, 2, N)
     friction = np.tanh(LAMBDA * motion.dq) - np.tanh(motion.dq / STRIBECK_VELOCITY)
-    rate = np.moveaxis(dct2sub(dct2dev(y, s.h, s.c_f, s.omega_unit)[..., proper], s.samples), 0, -1)
-    return SampledMotion(torque, model, UnmodelledColumns(sampled(friction), np.moveaxis(sampled(waves), 0, -1), rate))
+    ripple, rate = (np.moveaxis(x, 0, -1) for x in (sampled(waves), sampled(y, dct2dev)))
+    return SampledMotion(torque, model, UnmodelledColumns(sampled(friction), ripple, rate))
 
 
 def stack_motions(motions: Sequence[SampledMotion], model: Array | None = None) -> SampledMotion:
@@ -125,11 +125,10 @@ class Samples:
 
 def draw_samples(rng: np.random.Generator, n: int, motion: SampledMotion, settings: DataSettings) -> Samples:
     """Draw n training samples in single precision; of K motions, each sample draws one."""
-    m = motion.torque.shape[-2]
-    alpha, beta_bar, which = draw_torques(rng, n, motion, settings)
-    alpha = alpha.astype(np.float32)
+    torque, beta_bar, which = draw_torques(rng, n, motion, settings)
+    alpha = torque.astype(np.float32)
     beta_n = training_guess(rng, beta_bar, settings.guess)
-    psi = 2 * alpha - _rebuilt(motion.model, beta_n, which).reshape(n, 2, m).astype(np.float32)
+    psi = 2 * alpha - _rebuilt(motion.model, beta_n, which).reshape(alpha.shape).astype(np.float32)
     u, v = image_factors(alpha, psi, settings.image)
     return Samples(u, v, (beta_bar - beta_n).astype(np.float32))
 
@@ -138,7 +137,6 @@ def draw_torques(
     rng: np.random.Generator, n: int, motion: SampledMotion, settings: DataSettings
 ) -> tuple[Array, Array, NDArray[np.int64] | None]:
     """Draw torques (n, 2, M) over their largest magnitude, the parameters behind them (n, 9), and each one's motion."""
-    m = motion.torque.shape[-2]
     beta = sample_beta(rng, n, settings.prior)
     which = rng.integers(len(motion.torque), size=n) if motion.torque.ndim == 4 else None
     tau = _rebuilt(motion.torque, beta, which)  # (n, 2M)
@@ -151,7 +149,7 @@ def draw_torques(
     largest = np.abs(tau).max(-1, keepdims=True)
     # psi equals alpha for the right guess only if parameters are in units of the largest torque.
     beta_bar = beta / largest if settings.label == "largest-torque" else beta
-    return (tau / largest).reshape(n, 2, m), beta_bar, which
+    return (tau / largest).reshape(n, 2, -1), beta_bar, which
 
 
 def _rebuilt(columns: Array, beta: Array, which: NDArray[np.int64] | None) -> Array:
@@ -169,11 +167,11 @@ def draw_unmodelled(
     excess = rng.uniform(0.0, settings.stribeck, (n, 2))
     torque = (excess * beta[:, 7:])[..., np.newaxis] * columns.stribeck
     waves = len(RIPPLE_CYCLES)
-    which, phase = rng.integers(waves, size=(n, 2)), rng.uniform(0.0, 2.0 * np.pi, (n, 2))
+    which, phase = rng.integers(waves, size=(n, 2, 1)), rng.uniform(0.0, 2.0 * np.pi, (n, 2))
     amplitude = rng.uniform(0.0, settings.ripple, (n, 2)) * largest
     weight = np.zeros((n, 2, 2 * waves))
-    np.put_along_axis(weight, 2 * which[..., np.newaxis], (amplitude * np.cos(phase))[..., np.newaxis], -1)
-    np.put_along_axis(weight, 2 * which[..., np.newaxis] + 1, (amplitude * np.sin(phase))[..., np.newaxis], -1)
+    sine_cosine = amplitude[..., np.newaxis] * np.stack([np.cos(phase), np.sin(phase)], axis=-1)
+    np.put_along_axis(weight, 2 * which + [0, 1], sine_cosine, -1)
     torque += (columns.ripple @ weight[..., np.newaxis])[..., 0]
     delay = rng.uniform(0.0, settings.delay_s, (n, 1, 1))
     torque -= delay * (columns.rate @ beta[:, np.newaxis, :, np.newaxis])[..., 0]

@@ -53,9 +53,8 @@ def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[
 
     def largest(a: Floats, b: Floats) -> Floats:
         # max |a b^T| over a channel is the product of the factors' largest magnitudes.
-        product = np.abs(a).max(-1, keepdims=True) * np.abs(b).max(-1, keepdims=True)
-        largest_product = product if settings.scale == "channel-max" else product.max(-2, keepdims=True)
-        return np.where(largest_product > 0, largest_product, 1)
+        product = (np.abs(a).max(-1, keepdims=True) * np.abs(b).max(-1, keepdims=True)).max(axes, keepdims=True)
+        return np.where(product > 0, product, 1)
 
     u1 = psi / np.asarray(settings.constant, psi.dtype) if settings.scale == "constant" else psi / largest(psi, alpha)
     u2 = psi2 / largest(psi2, alpha2)

@@ -54,9 +54,7 @@ class PlainNetwork(Posterior):
 
     def __init__(self, samples: int, width: int) -> None:
         super().__init__()
-        sizes = (2 * samples, width, width, width)
-        layers = [(nn.Linear(a, b), nn.SiLU()) for a, b in itertools.pairwise(sizes)]
-        self.body = nn.Sequential(*(part for pair in layers for part in pair))
+        self.body = _body(2 * samples, width, width, width)
         self.mean = nn.Linear(width, _N)
         self.factor = nn.Linear(width, len(_LOWER[0]))
         nn.init.zeros_(self.factor.weight)
@@ -87,9 +85,7 @@ class Flow(Posterior):
         require("zuko", "flow", "study.networks: flow")
         from zuko.flows import NSF  # noqa: PLC0415  (an extra)
 
-        self.body = nn.Sequential(
-            nn.Linear(2 * samples, width), nn.SiLU(), nn.Linear(width, width), nn.SiLU(), nn.Linear(width, FEATURES)
-        )
+        self.body = _body(2 * samples, width, width).append(nn.Linear(width, FEATURES))
         self.flow = NSF(_N, FEATURES, transforms=TRANSFORMS, hidden_features=(HIDDEN, HIDDEN))
         self.centre: Tensor
         self.spread: Tensor
@@ -106,6 +102,12 @@ class Flow(Posterior):
         """Draw parameters (n, 9) behind a torque (2, M) over its largest magnitude from normal numbers (n, 9)."""
         scaled = self.flow(self.body(_tensor(alpha.reshape(-1)))).transform.inv(_tensor(normal))
         return np.asarray((self.centre + self.spread * scaled).numpy(), dtype=np.float64)
+
+
+def _body(*sizes: int) -> nn.Sequential:
+    """Fully connected layers of these sizes, each with its nonlinearity."""
+    layers = [(nn.Linear(a, b), nn.SiLU()) for a, b in itertools.pairwise(sizes)]
+    return nn.Sequential(*itertools.chain(*layers))
 
 
 def _tensor(values: Array) -> Tensor:

@@ -24,11 +24,9 @@ from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.files import read_tensors, write_tensors
 from repro.streams import Stream, stream
 
-#: Fraction of the streamed schedule's steps in which layer 1 learns: its gradient is a third of a step, and stopping it
-#: after a seventh costs next to no loss.
+#: Fraction of the streamed schedule's steps in which layer 1 learns; its gradient is a third of the work of a step.
 LAYER1_FRACTION = 0.15
-#: Version of the training code. Increase it when a change outside the settings alters results, so that old checkpoints
-#: are refused.
+#: Version of the training code, to increase when a change outside the settings alters results: it refuses checkpoints.
 TRAINING_VERSION = 4
 #: a, b, c of p(x) = x (a + b x^2 + c x^4): applied three times it lifts singular values from 0.02 on to 0.7 to 1.2.
 QUINTIC = (3.4445, -4.7750, 2.0315)
@@ -46,8 +44,8 @@ def _lift(gram: Tensor, times: int) -> Tensor:
 def orthogonalised(matrix: Tensor, dtype: torch.dtype) -> Tensor:
     """Bring the singular values of a matrix (m, n) near one and keep its singular vectors; quickest with m <= n.
 
-    An odd polynomial of X is a polynomial of G = X X^T times X, so the iteration runs on the small G, in single
-    precision. Only the product that forms G and the last one are as wide as X; they are in `dtype`.
+    An odd polynomial of X is a polynomial of G = X X^T times X. The iteration runs on the small G in single precision;
+    only the two products as wide as X are in `dtype`.
     """
     x = matrix.to(dtype)
     gram = (x @ x.mT).float()  # (m, m)
@@ -56,10 +54,7 @@ def orthogonalised(matrix: Tensor, dtype: torch.dtype) -> Tensor:
 
 
 class Muon(torch.optim.Optimizer):
-    """Momentum whose steps are orthogonalised: `torch.optim.Muon` with the learning rate matched to Adam's.
-
-    The library's takes no kernels and always bfloat16, which most processors only emulate.
-    """
+    """`torch.optim.Muon` with the learning rate matched to Adam's, also for kernels and in single precision."""
 
     def __init__(self, weights: Iterable[Tensor], lr: float, dtype: torch.dtype) -> None:
         super().__init__(weights, {"lr": lr, "momentum": 0.95, "dtype": dtype})
@@ -69,10 +64,8 @@ class Muon(torch.optim.Optimizer):
         """Take one step; weights without a gradient stay."""
         for group in self.param_groups:
             for weight in (w for w in group["params"] if w.grad is not None):
-                state = self.state[weight]
-                if not state:
-                    state["momentum"] = torch.zeros_like(weight)
-                momentum = state["momentum"].lerp_(weight.grad, 1 - group["momentum"])
+                momentum = self.state[weight].setdefault("momentum", torch.zeros_like(weight))
+                momentum.lerp_(weight.grad, 1 - group["momentum"])
                 ahead = weight.grad.lerp(momentum, group["momentum"]).flatten(1)  # Nesterov's look ahead
                 step = orthogonalised(ahead, group["dtype"])
                 weight.add_(step.view_as(weight), alpha=-0.2 * math.sqrt(max(step.shape)) * group["lr"])

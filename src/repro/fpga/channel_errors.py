@@ -21,6 +21,10 @@ class ErrorRates:
     disconnect_after: int | None = None  # bytes after which nothing arrives any more; None for never
 
 
+#: Errors of a byte; a byte with the index behind them arrives as it is.
+_KINDS = ("drop", "flip", "insert")
+
+
 class ErrorInjector:
     """Damages a byte stream; the damage depends on the seed, not on how the stream is cut."""
 
@@ -28,10 +32,8 @@ class ErrorInjector:
         self.counts: Counter[str] = Counter()  # errors so far by kind
         self.stall_s = 0.0
         self.disconnected = settings.disconnect_after == 0
-        self._settings = settings
-        self._rng = rng
-        self._offset = 0
-        self._losing = 0
+        self._settings, self._rng = settings, rng
+        self._offset = self._losing = 0
 
     def take_stall(self) -> float:
         """Give the silence that is due, s, for the caller to observe."""
@@ -42,43 +44,26 @@ class ErrorInjector:
         """Damage the next bytes of the stream."""
         if self.disconnected:
             return b""
-        after = self._settings.disconnect_after
+        settings, after = self._settings, self._settings.disconnect_after
         if after is not None:
             data = data[: after - self._offset]
         self._offset += len(data)
         self.disconnected = self._offset == after
-        return self._damage(data)
-
-    def _damage(self, data: bytes) -> bytes:
-        settings = self._settings
         event, bit, value, stall = self._rng.random((len(data), 4)).T
-        hit = (event < settings.drop + settings.flip + settings.insert) | (stall < settings.stall)
-        parts: list[bytes] = []
+        kind = np.searchsorted(np.cumsum([settings.drop, settings.flip, settings.insert]), event, side="right")
+        damaged = b""
         done = 0
-        for i in np.flatnonzero(hit).tolist():
-            parts.append(self._after_stall(data[done:i]))
+        for i in np.flatnonzero((kind < len(_KINDS)) | (stall < settings.stall)).tolist():
+            damaged += self._after_stall(data[done:i])
             if stall[i] < settings.stall:
                 self.stall_s += settings.stall_s
                 self.counts["stall"] += 1
                 self._losing = settings.stall_bytes
-            parts.append(self._after_stall(self._damage_byte(data[i], event[i], bit[i], value[i])))
+            flipped, added = data[i] ^ 1 << int(8 * bit[i]), int(256 * value[i])
+            self.counts.update(_KINDS[kind[i] :][:1])
+            damaged += self._after_stall((b"", bytes([flipped]), bytes([added, data[i]]), data[i : i + 1])[kind[i]])
             done = i + 1
-        parts.append(self._after_stall(data[done:]))
-        return b"".join(parts)
-
-    def _damage_byte(self, byte: int, event: float, bit: float, value: float) -> bytes:
-        """Damage one byte, by three numbers from 0 to 1."""
-        settings = self._settings
-        if event < settings.drop:
-            kind, damaged = "drop", b""
-        elif event < settings.drop + settings.flip:
-            kind, damaged = "flip", bytes([byte ^ 1 << int(8 * bit)])
-        elif event < settings.drop + settings.flip + settings.insert:
-            kind, damaged = "insert", bytes([int(256 * value), byte])
-        else:
-            return bytes([byte])
-        self.counts[kind] += 1
-        return damaged
+        return damaged + self._after_stall(data[done:])
 
     def _after_stall(self, data: bytes) -> bytes:
         """Remove the bytes that a stall loses."""

@@ -24,8 +24,7 @@ class ControlConstants:
     """Constants of Table 8 for both joints, in N m, or in PWM counts with a full torque of 1023."""
 
     kp: tuple[float, float]  # proportional gains K_p, N m/rad
-    # Derivative gains K_v, N m per rad between two samples (the sampling time is inside, Section II-A)
-    kv: tuple[float, float]
+    kv: tuple[float, float]  # derivative gains K_v with the sampling time inside, N m per rad between two samples
     pwm_hz: tuple[float, float]  # PWM frequencies, Hz
     full_torque: tuple[float, float]  # torque at a PWM of 1023 counts, N m
 
@@ -87,11 +86,9 @@ def simulate(
     plant: "Plant", constants: ControlConstants, desired: Array, progress: Callable[[int, int], None] | None = None
 ) -> tuple[Int16Array, Int16Array]:
     """Run the closed loop along q_d, (2, N) or (B, 2, N) in rad; gives encoder and PWM counts (B, 2, N)."""
-    batch = plant.state.shape[1]
     q_d = np.moveaxis(np.atleast_3d(desired.T).T, 0, -1).astype(np.float32)  # (2, N, 1 or B)
-    n = q_d.shape[1]
-    loop = ControlLoop(plant, constants, constants.torque_per_count)
-    position, pwm = (np.empty((n, 2, batch), dtype=np.int16) for _ in range(2))
+    n, loop = q_d.shape[1], ControlLoop(plant, constants, constants.torque_per_count)
+    position, pwm = np.empty((2, n, 2, plant.state.shape[1]), dtype=np.int16)
     for i in range(n):
         position[i], pwm[i] = loop.step(q_d[:, i])
         if progress is not None and i % 400 == 0:

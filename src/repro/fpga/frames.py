@@ -70,7 +70,6 @@ def is_valid(word: int) -> bool:
 
 def _within(name: str, values: ArrayLike, low: int, high: int) -> NDArray[np.int64]:
     array = np.asarray(values, dtype=np.int64)
-    outside = (array < low) | (array > high)
-    if outside.any():
-        raise ValueError(f"{name}: must be in {low} ... {high}, got {array[outside][0]}.")
+    if (outside := array[(array < low) | (array > high)]).size:
+        raise ValueError(f"{name}: must be in {low} ... {high}, got {outside[0]}.")
     return array

@@ -177,7 +177,7 @@ class Receiver:
                         break
                     if not self.stamps or now - began - self.stamps[-1][1] >= _STAMP:
                         self.stamps.append((len(self.data), round(now - began, 6)))
-                    progress(min(self.good, self._samples), self._samples)
+                    progress(self.good, self._samples)
                 elif now - last >= (_QUIET if self._all_there() else self._silence):
                     ended = "silent"
                 else:
@@ -200,12 +200,11 @@ class Receiver:
         """Add bytes, without those after the last sample; True once all samples have come."""
         self.data += piece
         self._keep(piece)
-        frames = self._parser.feed(piece)
-        before, self.good = self.good, self.good + len(frames)
-        if self.good < self._samples:
+        frames, missing = self._parser.feed(piece), self._samples - self.good
+        self.good += min(len(frames), missing)
+        if len(frames) < missing:
             return False
-        del self.data[int(frames.offset[self._samples - before - 1]) + FRAME_BYTES :]
-        self.good = self._samples
+        del self.data[int(frames.offset[missing - 1]) + FRAME_BYTES :]
         return True
 
     def _all_there(self) -> bool:

@@ -17,8 +17,7 @@ _CHECKOUT = Path(__file__).resolve().parents[3]
 
 def logic_board() -> type[Board]:
     """Load the class of the board in logic; InputError if something that it needs is not installed."""
-    loop = _load("loop", "board rtl", os.environ.get("CXX", "g++"))
-    board: type[Board] = loop.LogicBoard
+    board: type[Board] = _load("loop", "board rtl", os.environ.get("CXX", "g++")).LogicBoard
     return board
 
 

@@ -152,10 +152,8 @@ class StreamParser:
         """Look for a pair; False if more bytes are needed."""
         pair = next(_pairs(self._data, self._place, len(self._data)), None)
         self._skip_to(len(self._data) - 2 * FRAME_BYTES + 1 if pair is None else pair)
-        if pair is None:
-            return False
-        chosen = choose_alignment(self._data, pair, self._expected - self._base, self._finished)
-        if chosen is None:
+        grid = self._expected - self._base
+        if pair is None or (chosen := choose_alignment(self._data, pair, grid, self._finished)) is None:
             return False
         self._skip_to(chosen)
         self._accept(1)
@@ -204,8 +202,7 @@ class StreamParser:
             if not (before and after and _distance(before, after) <= MAX_STEP):
                 break
             first, after = first - FRAME_BYTES, before
-        if o - first < 2 * FRAME_BYTES:
-            first = o
+        first = o if o - first < 2 * FRAME_BYTES else first
         self._skip_to(first)
         self._accept((o - first) // FRAME_BYTES + 1)
 
@@ -259,12 +256,12 @@ class StreamParser:
 
 
 def choose_alignment(data: bytes, pair: int, grid: int, final: bool) -> int | None:
-    """Choose between the alignment of the first pair of candidates and its rivals.
+    """Choose between the alignment of the first pair of candidates and its rivals; None if more bytes are needed.
 
     An arm at rest whose position contains a byte 0xA5 offers a second alignment for ever. If another alignment offers
     a pair within 16 bytes, the candidates among 64 frames are counted in each. The alignment at which the search began
     (`grid`, modulo 8) wins if it has at most two fewer than the best, which one error may cost it; else the best wins,
-    the earliest of equals. Gives the place of the first pair of that alignment, None if more bytes are needed.
+    the earliest of equals. Gives the place of the first pair of that alignment.
     """
     if not final and len(data) < pair + _RIVAL_SPAN + 2 * FRAME_BYTES:
         return None

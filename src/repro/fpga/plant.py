@@ -41,11 +41,10 @@ class Plant:
 
     with Stribeck share s and velocity v_s, ripple a, n cycles a turn and phase phi. With s = a = 0 it is Eq. 1.
 
-    Dormand and Prince's method of order 8, coefficients from SciPy. The substeps were chosen so that halving
-    them changes no encoder count of the stored identification recording; in T1 and T2 counts change by 1, where the
-    loop's quantisation amplifies the last bits. Arms of one batch share their substeps, with the same effect.
+    Dormand and Prince's method of order 8, coefficients from SciPy. Halving its substeps changes no encoder count of
+    the stored identification recording, and counts of T1 and T2 by 1. Arms of one batch share their substeps.
 
-    For many arms there is a quick way: the classic method of order 4, always with the substeps of slow joints. An arm's
+    The quick way for many arms is the classic method of order 4, always with the substeps of slow joints. An arm's
     counts do not depend on the others of its batch then.
     """
 
@@ -60,13 +59,10 @@ class Plant:
         arms = np.atleast_2d(check_beta(np.asarray(beta)))
         if not FEASIBILITY["positive-definite"](arms).all():
             raise ValueError("beta: the inertia matrix must be positive definite in every pose and friction positive.")
-        phase = np.broadcast_to(np.asarray(ripple_phase, dtype=np.float64), (len(arms), 2)).T
         batch = len(arms)
         each = [unmodelled] * batch if isinstance(unmodelled, Unmodelled) else list(unmodelled)
         effects = each[0]
-        if len(each) != batch or any(
-            replace(e, stribeck=effects.stribeck, ripple=effects.ripple) != effects for e in each
-        ):
+        if [replace(e, stribeck=effects.stribeck, ripple=effects.ripple) for e in each] != [effects] * batch:
             raise ValueError("unmodelled: must be one for each arm, equal but for the levels of stribeck and ripple.")
         stribeck = np.array([e.stribeck for e in each]).T  # (2, batch)
         ripple = np.array([e.ripple for e in each]).T
@@ -83,7 +79,7 @@ class Plant:
             dtype=np.float64,
         )
         self._phase = np.zeros((5, batch))
-        self._phase[2:4] = phase
+        self._phase[2:4] = np.broadcast_to(np.asarray(ripple_phase, dtype=np.float64), (batch, 2)).T
         # Weights of those features in gravity, ripple, Coulomb and viscous friction, subtracted from the torque.
         weight = np.zeros((2, 11, batch))
         weight[0, 0], weight[:, 1] = g1, g2

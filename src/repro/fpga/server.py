@@ -49,8 +49,7 @@ class Board:
     def __init__(
         self, make_plant: Callable[[], Plant], torque_per_count: ArrayLike, identity: Mapping[str, Any]
     ) -> None:
-        self._make_plant = make_plant
-        self._torque = np.asarray(torque_per_count, dtype=np.float64)
+        self._make_plant, self._torque = make_plant, np.asarray(torque_per_count, dtype=np.float64)
         self.identity = dict(identity)  # description that the board answers to IDENTIFY
         self._decoder = MessageDecoder()
         self._ram = np.zeros((2, MEMORY_SAMPLES), dtype=np.float32)
