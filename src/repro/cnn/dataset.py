@@ -5,7 +5,7 @@ extension of ours, off by default, torques may also have unmodelled effects: Str
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -53,10 +53,6 @@ class UnmodelledColumns:
     ripple: Array  # (2, M, 2 C): sine and cosine of each of the C `RIPPLE_CYCLES`
     rate: Array  # (2, M, 9): time derivative of the torque, a column for each parameter, 1/s
 
-    def take(self, which: NDArray[np.int64]) -> "UnmodelledColumns":
-        """Select motions, if there is an axis of motions in front."""
-        return UnmodelledColumns(self.stribeck[which], self.ripple[which], self.rate[which])
-
 
 @dataclass(frozen=True)
 class SampledMotion:
@@ -92,13 +88,10 @@ def sample_motion(
 
 def stack_motions(motions: Sequence[SampledMotion], model: Array | None = None) -> SampledMotion:
     """Stack motions that samples draw from; `model`, if given, is f's regressor for all of them."""
-    unmodelled = [motion.unmodelled for motion in motions if motion.unmodelled is not None]
-    columns = (np.stack([getattr(each, f.name) for each in unmodelled]) for f in fields(UnmodelledColumns))
-    return SampledMotion(
-        np.stack([motion.torque for motion in motions]),
-        np.stack([motion.model for motion in motions]) if model is None else model,
-        UnmodelledColumns(*columns) if len(unmodelled) == len(motions) else None,
-    )
+    known = [vars(motion.unmodelled).values() for motion in motions if motion.unmodelled is not None]
+    columns = UnmodelledColumns(*map(np.stack, zip(*known, strict=True))) if len(known) == len(motions) else None
+    shared = np.stack([motion.model for motion in motions]) if model is None else model
+    return SampledMotion(np.stack([motion.torque for motion in motions]), shared, columns)
 
 
 @dataclass(frozen=True)
@@ -143,7 +136,9 @@ def draw_torques(
     if settings.unmodelled:
         if motion.unmodelled is None:
             raise ValueError("unmodelled: the motion has no torques beyond Eq. 1.")
-        columns = motion.unmodelled if which is None else motion.unmodelled.take(which)
+        columns = motion.unmodelled
+        if which is not None:
+            columns = UnmodelledColumns(*(each[which] for each in vars(columns).values()))
         largest = np.abs(tau).max(-1, keepdims=True)
         tau = tau + draw_unmodelled(rng, beta, largest, columns, settings.unmodelled).reshape(n, -1)
     largest = np.abs(tau).max(-1, keepdims=True)
