@@ -199,10 +199,10 @@ def save_checkpoint(
     path: Path, network: nn.Module, optimisers: Sequence[torch.optim.Optimizer], progress: Progress, run: str
 ) -> None:
     """Write weights, optimiser states and progress as safetensors; only the run of this name may continue from them."""
-    arrays = {f"network/{name}": weight.numpy() for name, weight in network.state_dict().items()}
+    states = {"network": network.state_dict()}
     for k, optimiser in enumerate(optimisers):
-        for index, state in optimiser.state_dict()["state"].items():
-            arrays |= {f"{k}/{index}/{key}": value.numpy() for key, value in state.items()}
+        states |= {f"{k}/{index}": state for index, state in optimiser.state_dict()["state"].items()}
+    arrays = {f"{part}/{key}": value.numpy() for part, state in states.items() for key, value in state.items()}
     write_tensors(path, arrays, {"progress": json.dumps(asdict(progress)), "training": run})
 
 

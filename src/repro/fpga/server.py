@@ -252,12 +252,10 @@ class BoardServer:
         self._board, self._endpoint, self._real_time, self._make_injector = board, endpoint, real_time, injector
         self._clock = clock
         self._injector: ErrorInjector | None = None
-        self._unplugged = False
         self._pending = bytearray()
         self._began = self._silent_until = 0.0
-        self._samples = 0
-        self._under_way = False
-        self._motions = 0
+        self._samples = self._motions = 0
+        self._unplugged = self._under_way = False
 
     def serve(self, stopped: Callable[[], bool], once: bool = False) -> None:
         """Serve one host after another."""
@@ -288,16 +286,13 @@ class BoardServer:
         readable, writable, _ = select.select([descriptor], [descriptor] if sending else [], [], self._pause())
         try:
             if readable:
-                data = os.read(descriptor, _READ)
-                if not data:
+                if not (data := os.read(descriptor, _READ)):
                     return False
                 self._receive(data)
             if writable:
                 del self._pending[: os.write(descriptor, self._pending)]
-        except BlockingIOError:
-            return True
-        except OSError:
-            return False
+        except OSError as error:
+            return isinstance(error, BlockingIOError)
         return True
 
     def _receive(self, data: bytes) -> None:

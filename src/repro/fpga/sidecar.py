@@ -152,8 +152,7 @@ def check_sidecar(place: str, content: object) -> dict[str, Any]:
     if isinstance(content, dict) and content.get("format", FORMAT) != FORMAT:  # another version may have other keys
         raise InputError.at(f"{place}: format", repr(content["format"]), f"{FORMAT}")
     if wrong := violation(content, Sidecar):
-        where, found, expected = wrong
-        raise InputError.at(f"{place}: {spelled(where) or 'content'}", found, expected)
+        raise InputError.at(f"{place}: {spelled(wrong[0]) or 'content'}", *wrong[1:])
     assert isinstance(content, dict)  # checked above
     c: dict[str, Any] = content
     n1, n2, most = c["trajectory"]["n1"], c["trajectory"]["n2"], c["samples_expected"]
