@@ -1,7 +1,4 @@
-"""Capture files: the raw bytes of a recording, the bytes sent to the board, and a JSON sidecar with their checksums.
-
-A capture is used as a recording at even instants, is checked by the control law, and is written as a table.
-"""
+"""Capture files: the raw bytes of a recording, the bytes sent to the board, and a JSON sidecar with their checksums."""
 
 import hashlib
 import os
@@ -183,10 +180,7 @@ LONGEST_GAP = 4
 
 
 def recording_of(capture: Capture) -> tuple[Array, Array]:
-    """Give positions (rad) and torques (N m), each (2, N), of all samples of a complete capture.
-
-    Gaps of few samples are interpolated linearly.
-    """
+    """Give positions (rad) and torques (N m), each (2, N), of a complete capture; short gaps are interpolated."""
     n, good, lost = capture.metadata.samples, len(capture.index), capture.counts.lost
     if not capture.complete:
         raise InputError.at(capture.place, f"an incomplete recording ({capture.metadata.end_reason})", "a complete one")

@@ -15,9 +15,6 @@ if TYPE_CHECKING:
 
 Counts = NDArray[np.int32]
 
-#: One encoder count in rad, in the board's arithmetic.
-RESOLUTION = np.float32(RADIANS_PER_COUNT)
-
 
 @dataclass(frozen=True)
 class ControlConstants:
@@ -58,7 +55,7 @@ class PDController:
 
     def __call__(self, desired: SingleArray, position: Counts) -> Counts:
         """Compute the PWM (2, B) of one sample from q_d (2, 1 or B), rad, and encoder counts (2, B)."""
-        q = position.astype(np.float32) * RESOLUTION
+        q = position.astype(np.float32) * np.float32(RADIANS_PER_COUNT)
         before = q if self._previous is None else self._previous  # q_0 - q_-1 = 0: the arm starts at rest
         self._previous = q
         u = self._kp * (desired - q) - self._kv * (q - before)

@@ -159,10 +159,7 @@ class Receiver:
         self._parser = StreamParser()
 
     def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> EndReason:
-        """Receive until there is a reason to end, and give it, empty after the last sample.
-
-        `progress` gets the samples received and expected.
-        """
+        """Receive until the last sample, or give the reason to end before; `progress` gets samples done and in all."""
         began = last = self._clock()
         longest = 2.0 * self._samples * SAMPLING_PERIOD + self._silence + _SLACK
         ended: EndReason = ""
@@ -260,10 +257,7 @@ class RawFile:
 def record_capture(
     out: Path, port: str, metadata: CaptureMetadata, baud: int, silence: float = 2.0, overwrite: bool = False
 ) -> Capture:
-    """Record one motion into a capture ``NAME.bin``, with the bytes in ``NAME.bin.part`` until it is written.
-
-    If that fails, the message names the file with the bytes received.
-    """
+    """Record one motion into ``NAME.bin``; the bytes are in ``NAME.bin.part`` until it is written, or if that fails."""
     folder = next(parent for parent in out.absolute().parents if parent.exists())
     path = folder / f"{out.name}.part"
     if path.exists() and not overwrite:

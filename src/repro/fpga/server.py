@@ -1,7 +1,4 @@
-"""The simulated FPGA board between the serial line and the arm (Section III, Fig. 2), and the process that serves it.
-
-It is behind a pseudo-terminal or a TCP socket, in real time or as fast as possible.
-"""
+"""The simulated FPGA board of Section III and Fig. 2, served behind a pseudo-terminal or a TCP socket."""
 
 import fcntl
 import logging
