@@ -159,7 +159,7 @@ class Receiver:
         self._parser = StreamParser()
 
     def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> EndReason:
-        """Receive until the last sample, or give the reason to end before; `progress` gets samples done and in all."""
+        """Receive to the last sample, or give the reason to end before; `progress` gets samples done and expected."""
         began = last = self._clock()
         longest = 2.0 * self._samples * SAMPLING_PERIOD + self._silence + _SLACK
         ended: EndReason = ""
