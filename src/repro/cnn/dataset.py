@@ -166,7 +166,7 @@ def draw_unmodelled(
     amplitude = rng.uniform(0.0, settings.ripple, (n, 2)) * largest
     weight = np.zeros((n, 2, 2 * waves))
     sine_cosine = amplitude[..., np.newaxis] * np.stack([np.cos(phase), np.sin(phase)], axis=-1)
-    np.put_along_axis(weight, 2 * which + [0, 1], sine_cosine, -1)
+    np.put_along_axis(weight, 2 * which + np.arange(2), sine_cosine, -1)
     torque += (columns.ripple @ weight[..., np.newaxis])[..., 0]
     delay = rng.uniform(0.0, settings.delay_s, (n, 1, 1))
     torque -= delay * (columns.rate @ beta[:, np.newaxis, :, np.newaxis])[..., 0]
