@@ -9,7 +9,6 @@ the four members of each 2 x 2 pool, so pooling is three elementwise maxima, and
 come after it on a quarter of the data.
 """
 
-import itertools
 from pathlib import Path
 from typing import Any, get_args
 
@@ -161,11 +160,18 @@ class FactoredCNN(nn.Module):
         learn. Line 20 of Algorithm 1 undoes the output sigmoid(c r) of Eq. 13, so only `sigmoid_loss` applies it.
         """
         weight, bias = self._cast(self.conv1)
-        size = len(u) if weight.requires_grad or bias.requires_grad else PIECE
-        parts, columns = (x.to(self.dtype).split(size) for x in (u, v))  # type: ignore[no-untyped-call]
-        pieces = zip(parts, itertools.cycle(columns), strict=False)
-        x = torch.cat([_FirstLayer.apply(*piece, weight, bias) for piece in pieces])  # type: ignore[no-untyped-call]
-        x = x.contiguous(memory_format=torch.channels_last)  # (n, 10, 46, 46), the fastest layout for layer 2
+        u, v = u.to(self.dtype), v.to(self.dtype)
+        form = torch.channels_last  # the fastest layout for the second convolution
+        if weight.requires_grad or bias.requires_grad:
+            x: Tensor = _FirstLayer.apply(u, v, weight, bias)  # type: ignore[no-untyped-call]
+            x = x.contiguous(memory_format=form)  # (n, 10, 46, 46)
+        else:
+            side = self.settings.pooled[0]
+            x = torch.empty(len(u), self.settings.maps, side, side, dtype=self.dtype, memory_format=form)
+            for k in range(0, len(u), PIECE):
+                piece = slice(k, k + PIECE)
+                columns = v[piece] if len(v) > 1 else v
+                x[piece] = _FirstLayer.apply(u[piece], columns, weight, bias)  # type: ignore[no-untyped-call]
         # ReLU after the pool: the same function on a quarter of the data.
         x = F.conv2d(x, *self._cast(self.conv2))  # -> (n, 10, 42, 42)
         x = _MaxPool2.apply(x)  # type: ignore[no-untyped-call]
