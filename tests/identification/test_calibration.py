@@ -18,8 +18,7 @@ from repro.identification.calibration import (
 )
 from repro.identification.extra_terms import ExtraTerm, find_terms, subtract_terms
 from repro.identification.filtering import FilterSettings, prepare
-from repro.identification.regression import drop_standstill
-from repro.identification.solve import solve
+from repro.identification.regression import drop_standstill, solve
 from repro.model.dynamics import inverse_dynamics
 from repro.ownarm.prepare import Options
 from repro.ownarm.prior import read_prior

@@ -21,8 +21,7 @@ from repro.identification.filtering import (
     estimate_delay,
     prepare,
 )
-from repro.identification.regression import drop_standstill
-from repro.identification.solve import reduced_problem, solve
+from repro.identification.regression import drop_standstill, reduced_problem, solve
 
 LOG = log_from(log_example.motion)
 BROAD = log_from(broadband, seconds=24.0)

@@ -10,7 +10,7 @@ from strategies import seeds
 
 from repro.identification.least_squares import METHODS, choose_penalty, solve_inequality
 from repro.identification.method import Estimate
-from repro.identification.solve import reduced_problem, solve
+from repro.identification.regression import reduced_problem, solve
 from repro.model.dynamics import mass_matrix
 from repro.model.parameters import is_positive_definite
 

@@ -14,8 +14,7 @@ from strategies import seeds
 from repro.identification.excitation import excitation
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
-from repro.identification.regression import Prior, drop_standstill, joined, masked, residual_autocorrelation
-from repro.identification.solve import solve
+from repro.identification.regression import Prior, drop_standstill, joined, masked, residual_autocorrelation, solve
 from repro.identification.uncertainty import Perturbation, attach_prior, bootstrap
 from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics

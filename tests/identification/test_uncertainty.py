@@ -14,8 +14,7 @@ from strategies import seeds
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
-from repro.identification.regression import correlation_time, drop_standstill
-from repro.identification.solve import solve
+from repro.identification.regression import correlation_time, drop_standstill, solve
 from repro.identification.uncertainty import (
     GROUPS,
     STEEPNESS_FACTORS,

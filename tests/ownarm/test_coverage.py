@@ -10,8 +10,9 @@ from board_arms import SAMPLES, badly_set_up, multisine, random_arms, recorded, 
 from ownarm_problem import loaded
 
 from repro.config import load_config
+from repro.identification.extra_terms import CONSTANTS
 from repro.identification.least_squares import METHODS
-from repro.identification.uncertainty import CONSTANTS, bootstrap
+from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
 from repro.ownarm.prepare import Options
 from repro.ownarm.problem import make_problem

@@ -14,7 +14,7 @@ from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import Plant
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
-from repro.identification.solve import solve
+from repro.identification.regression import solve
 from repro.model.dynamics import rebuild_torque
 from repro.pipeline.experiment import control_constants, disturbance, program_from_config
 from repro.pipeline.factorial import CELLS, COLUMNS, configured, score_references

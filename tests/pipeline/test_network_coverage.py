@@ -11,7 +11,7 @@ from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.conformal import distances, novelty_limit
 from repro.identification.algorithm1.refinement import Algorithm1
-from repro.identification.solve import solve
+from repro.identification.regression import solve
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline import simulated_arms

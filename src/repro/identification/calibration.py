@@ -28,8 +28,7 @@ from repro.identification.extra_terms import (
     zero_position,
 )
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
-from repro.identification.regression import Regression, drop_standstill
-from repro.identification.solve import solve
+from repro.identification.regression import Regression, drop_standstill, solve
 from repro.logs.log import Log, kept
 from repro.model.parameters import Array
 

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
-from repro.identification.regression import Regression, without_known
-from repro.identification.solve import unit_columns
+from repro.identification.regression import Regression, unit_columns, without_known
 from repro.model.parameters import NAMES, Array
 
 #: Singular values below this fraction of the largest count as zero: a noisy log cannot separate such columns either.

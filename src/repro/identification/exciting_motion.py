@@ -16,7 +16,7 @@ from scipy.optimize import minimize
 from repro.errors import InputError
 from repro.identification.excitation import MIN_SINGULAR_RATIO
 from repro.identification.filtering import Moved
-from repro.identification.solve import unit_columns
+from repro.identification.regression import unit_columns
 from repro.logs.armfile import Arm, read_arm
 from repro.model.dynamics import LAMBDA, ArmGeometry, forward_kinematics, regressor
 from repro.model.parameters import Array, check_beta

@@ -13,12 +13,13 @@ Coulomb friction that differs between the two directions is no candidate: while 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from repro.identification.filtering import (
+    FILTERS,
     MIN_ERROR_REDUCTION,
     FilterSettings,
     Moved,
@@ -28,8 +29,7 @@ from repro.identification.filtering import (
     retained_samples,
     smooth_motion,
 )
-from repro.identification.regression import Regression, correlation_time, drop_standstill, joined
-from repro.identification.solve import solve
+from repro.identification.regression import Regression, correlation_time, drop_standstill, joined, solve
 from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
@@ -72,6 +72,12 @@ class SmoothLog:
     def coulomb(self) -> Array:
         """Direction of the Coulomb friction of each joint (2, N)."""
         return np.tanh(self.settings.friction_steepness * self.moved[1])
+
+    @property
+    def gear_load(self) -> Array:
+        """Recorded torque (2, N) behind the friction of each joint: a position error would falsify that of Eq. 1."""
+        friction = FILTERS[self.settings.name].apply(self.y[..., 5:] @ self.beta[5:], self.h, self.settings.cutoff, 0)
+        return self.tau - friction
 
 
 #: Torque (2, N, k) that terms of unit size add.
@@ -122,6 +128,62 @@ def load_friction(log: SmoothLog) -> Array:
 def stribeck(log: SmoothLog, speed: float = STRIBECK_SPEEDS[-1], power: int = 2) -> Array:
     """Compute friction that is larger near rest, shape (2, N, 2): powers of 1 and 2 are both in use."""
     return one_joint(log.coulomb * np.exp(-((np.abs(log.moved[1]) / speed) ** power)))
+
+
+def friction(log: SmoothLog, speed: float, power: int) -> Array:
+    """Compute friction in proportion to the load, and friction that is larger near rest, shape (2, N, 4)."""
+    return np.concatenate([load_friction(log), stribeck(log, speed, power)], axis=-1)
+
+
+def once_a_turn(log: SmoothLog) -> Array:
+    """Compute torque of period one turn (eccentric gear), (2, N, 3), without sin q1 at joint 1: it is g1."""
+    q = log.moved[0]
+    return np.concatenate([one_joint(np.cos(q)), one_joint(np.sin(q))[..., 1:]], axis=-1)
+
+
+def twice_a_turn(log: SmoothLog) -> Array:
+    """Compute torque of period half a turn of a joint (cable, gear out of round), shape (2, N, 4)."""
+    return np.concatenate([one_joint(wave(2.0 * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
+
+
+def torque_constant(log: SmoothLog) -> Array:
+    """Compute the torque that a constant in proportion to the current adds to the recorded one, shape (2, N, 2)."""
+    return one_joint(log.tau * np.abs(log.tau))
+
+
+def elasticity(log: SmoothLog) -> Array:
+    """Compute the effect of a gear that yields in proportion to its load, behind the encoder, shape (2, N, 2)."""
+    return position_error(log, log.gear_load)
+
+
+def backlash(log: SmoothLog, width: float) -> Array:
+    """Compute the effect of play behind the encoder (2, N, 2): teeth change sides below `width` of the largest load."""
+    largest = np.abs(log.gear_load).max(axis=-1, keepdims=True)
+    return position_error(log, np.tanh(log.gear_load / (width * np.where(largest > 0.0, largest, 1.0))))
+
+
+ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constants that change with the current"
+#: Speeds (rad/s) and powers of the forms of Stribeck friction.
+_STRIBECK = tuple(product(STRIBECK_SPEEDS, (1, 2)))
+#: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts. The teeth of a gear
+#: may change sides at several loads over the largest one.
+UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
+    ZEROS: (zero_position,),
+    OFFSETS: (offset,),
+    "load-dependent friction": (load_friction,),
+    "Stribeck friction": tuple(partial(stribeck, speed=speed, power=power) for speed, power in _STRIBECK),
+    "both kinds of friction": tuple(partial(friction, speed=speed, power=power) for speed, power in _STRIBECK),
+    "torque of period one turn": (once_a_turn,),
+    "torque of period half a turn": (twice_a_turn,),
+    "inertia of the rotor of joint 2": (rotor_inertia,),
+    CONSTANTS: (torque_constant,),
+    "elasticity": (elasticity,),
+    "backlash": tuple(partial(backlash, width=width) for width in (0.02, 0.05, 0.15)),
+}
+#: Effects that differ from log to log of one arm.
+OF_A_LOG = (ZEROS, OFFSETS)
+#: Largest credible torque of an effect, over the largest torque of its joint: beyond it something else looks like it.
+LARGEST_SHARE = {CONSTANTS: 0.3}
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,7 @@ from scipy.fft import dct, idct, idst, prev_fast_len, rfft, rfftfreq
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 
-from repro.identification.regression import Regression, correlation_time, joined, masked
-from repro.identification.solve import solve
+from repro.identification.regression import Regression, correlation_time, joined, masked, solve
 from repro.logs.log import Log, kept, period
 from repro.logs.torque_limits import MOST_CONTAMINATED
 from repro.model.dynamics import LAMBDA, regressor

@@ -14,8 +14,16 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from repro.identification.method import Estimate, Method, NoSolutionError
-from repro.identification.regression import Regression, joint_variance, without_known
-from repro.identification.solve import clip_to_bound, determined, reduced_problem, solve, solve_normal
+from repro.identification.regression import (
+    Regression,
+    clip_to_bound,
+    determined,
+    joint_variance,
+    reduced_problem,
+    solve,
+    solve_normal,
+    without_known,
+)
 from repro.model.parameters import NAMES, Array, is_positive_definite
 
 WEIGHTED_ITERATIONS = 5

@@ -34,27 +34,14 @@ quadrature. (The single factor of Welch and Satterthwaite can narrow an interval
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag, hadamard
 from scipy.special import fdtri, stdtrit
 
-from repro.identification.extra_terms import (
-    STRIBECK_SPEEDS,
-    Columns,
-    SmoothLog,
-    filtered_columns,
-    load_friction,
-    offset,
-    one_joint,
-    position_error,
-    rotor_inertia,
-    stribeck,
-    zero_position,
-)
-from repro.identification.filtering import FILTERS, FilterSettings, prepare
+from repro.identification.extra_terms import LARGEST_SHARE, OF_A_LOG, UNMODELLED_EFFECTS, filtered_columns
+from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import (
     Prior,
@@ -63,8 +50,8 @@ from repro.identification.regression import (
     drop_standstill,
     joined,
     mean_variance,
+    solve,
 )
-from repro.identification.solve import solve
 from repro.logs.log import Log
 from repro.model.parameters import Array
 
@@ -91,75 +78,6 @@ class Perturbation:
     regressions: tuple[Regression, ...]  # one for each way to make it
     weight: float = 1.0  # factor on the squared shift of an estimate, 0 to 1
     rival: bool = False  # whether it explains the same residual as other rivals, of which the largest shift counts
-
-
-def once_a_turn(log: SmoothLog) -> Array:
-    """Compute torque of period one turn (eccentric gear), (2, N, 3), without sin q1 at joint 1: it is g1."""
-    q = log.moved[0]
-    return np.concatenate([one_joint(np.cos(q)), one_joint(np.sin(q))[..., 1:]], axis=-1)
-
-
-def twice_a_turn(log: SmoothLog) -> Array:
-    """Compute torque of period half a turn of a joint (cable, gear out of round), shape (2, N, 4)."""
-    return np.concatenate([one_joint(wave(2.0 * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
-
-
-def torque_constant(log: SmoothLog) -> Array:
-    """Compute the torque that a constant in proportion to the current adds to the recorded one, shape (2, N, 2)."""
-    return one_joint(log.tau * np.abs(log.tau))
-
-
-def friction(log: SmoothLog, speed: float, power: int) -> Array:
-    """Compute friction in proportion to the load, and friction that is larger near rest, shape (2, N, 4)."""
-    return np.concatenate([load_friction(log), stribeck(log, speed, power)], axis=-1)
-
-
-def gear_load(log: SmoothLog) -> Array:
-    """Compute the torque (2, N) behind the friction of each joint.
-
-    It is that of the recording: a position error falsifies the accelerations, from which Eq. 1 would compute it.
-    """
-    friction = FILTERS[log.settings.name].apply(log.y[..., 5:] @ log.beta[5:], log.h, log.settings.cutoff, 0)
-    return log.tau - friction
-
-
-def elasticity(log: SmoothLog) -> Array:
-    """Compute the effect of a gear that yields in proportion to its load, behind the encoder, shape (2, N, 2)."""
-    return position_error(log, gear_load(log))
-
-
-def backlash(log: SmoothLog, width: float) -> Array:
-    """Compute the effect of play behind the encoder (2, N, 2): teeth change sides below `width` of the largest load."""
-    load = gear_load(log)
-    largest = np.abs(load).max(axis=-1, keepdims=True)
-    return position_error(log, np.tanh(load / (width * np.where(largest > 0.0, largest, 1.0))))
-
-
-#: Loads over the largest one at which the teeth of a gear may change sides.
-BACKLASH_WIDTHS = (0.02, 0.05, 0.15)
-ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constants that change with the current"
-#: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts.
-UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
-    ZEROS: (zero_position,),
-    OFFSETS: (offset,),
-    "load-dependent friction": (load_friction,),
-    "Stribeck friction": tuple(
-        partial(stribeck, speed=speed, power=power) for speed in STRIBECK_SPEEDS for power in (1, 2)
-    ),
-    "both kinds of friction": tuple(
-        partial(friction, speed=speed, power=power) for speed in STRIBECK_SPEEDS for power in (1, 2)
-    ),
-    "torque of period one turn": (once_a_turn,),
-    "torque of period half a turn": (twice_a_turn,),
-    "inertia of the rotor of joint 2": (rotor_inertia,),
-    CONSTANTS: (torque_constant,),
-    "elasticity": (elasticity,),
-    "backlash": tuple(partial(backlash, width=width) for width in BACKLASH_WIDTHS),
-}
-#: Effects that differ from log to log of one arm.
-OF_A_LOG = (ZEROS, OFFSETS)
-#: Largest credible torque of an effect, over the largest torque of its joint: beyond it something else looks like it.
-LARGEST_SHARE = {CONSTANTS: 0.3}
 
 
 def simex(regression: Regression) -> Regression:

@@ -124,10 +124,7 @@ def mass_matrix(q: Array, beta: Array) -> Array:
     i1, i2, i3 = (check_beta(beta)[..., k] for k in range(3))
     c2 = np.cos(np.asarray(q)[..., 1])
     m12 = i3 + 0.5 * i2 * c2
-    return np.stack(
-        [np.stack([i1 + i2 * c2, m12], -1), np.stack([m12, np.broadcast_to(i3, m12.shape)], -1)],
-        -2,
-    )
+    return np.stack(np.broadcast_arrays(i1 + i2 * c2, m12, m12, i3), -1).reshape(*m12.shape, 2, 2)
 
 
 def forward_dynamics(q: Array, dq: Array, tau: Array, beta: Array, friction_steepness: float = LAMBDA) -> Array:

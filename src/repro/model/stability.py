@@ -43,7 +43,16 @@ class StabilityConstants:
     r1_min: float  # smallest eigenvalue of R1 (Eq. 18): above r2_max
     r2_max: float  # largest eigenvalue of R2 = rho epsilon R1 (Eq. 19)
     s1_min: float  # smallest eigenvalue of S1 (Eq. 21)
-    conditions: dict[str, bool]  # whether ``potential``, ``energy``, ``dissipation`` and ``rate`` hold
+
+    @property
+    def conditions(self) -> dict[str, bool]:
+        """Whether each condition of the proof holds."""
+        return {
+            "potential": self.lambda_q_min > 0.0,
+            "energy": self.energy > 0.0,
+            "dissipation": self.dissipation > self.coupling,
+            "rate": self.r1_min > self.r2_max,
+        }
 
 
 def eigenvalue_range(a: Array | float, b: Array | float, d: Array | float) -> tuple[float, float]:
@@ -74,24 +83,7 @@ def stability_constants(beta: Array) -> StabilityConstants:
     r1_min, r1_max = eigenvalue_range(corner, cross, speed)
     r2_max = s.rho * s.epsilon * r1_max
     s1_min, _ = eigenvalue_range(s.rho * q_min, 0.5 * s.epsilon * m_max, m_min)
-    energy = 0.5 * s.rho * q_min * m_min - 0.25 * (s.epsilon * m_max) ** 2
+    potential, energy = s.rho * q_min, 0.5 * s.rho * q_min * m_min - 0.25 * (s.epsilon * m_max) ** 2
     dissipation, coupling = corner * speed, cross**2
-    return StabilityConstants(
-        lambda_m_min=m_min,
-        lambda_m_max=m_max,
-        lambda_q_min=q_min,
-        lambda_h_min=h_min,
-        potential=s.rho * q_min,
-        energy=energy,
-        dissipation=dissipation,
-        coupling=coupling,
-        r1_min=r1_min,
-        r2_max=r2_max,
-        s1_min=s1_min,
-        conditions={
-            "potential": q_min > 0.0,
-            "energy": energy > 0.0,
-            "dissipation": dissipation > coupling,
-            "rate": r1_min > r2_max,
-        },
-    )
+    eigenvalues, conditions = (m_min, m_max, q_min, h_min), (potential, energy, dissipation, coupling)
+    return StabilityConstants(*eigenvalues, *conditions, r1_min, r2_max, s1_min)

@@ -21,9 +21,8 @@ from repro.identification.calibration import (
 )
 from repro.identification.extra_terms import TERMS, ExtraTerm, find_terms, subtract_terms, term_columns, values_of
 from repro.identification.least_squares import METHODS
-from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined
+from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, solve
 from repro.identification.scores import unexplained
-from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.logs.conventions import smoothed
 from repro.logs.diagnostics import Description, describe, left_out_torque

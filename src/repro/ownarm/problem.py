@@ -11,8 +11,7 @@ from repro.identification.calibration import CALIBRATION, correct_calibration
 from repro.identification.excitation import Identifiability, excitation
 from repro.identification.extra_terms import TERMS, subtract_terms, term_columns, values_of
 from repro.identification.filtering import prepare
-from repro.identification.regression import Prior, Regression, joined, mean_variance
-from repro.identification.solve import solve
+from repro.identification.regression import Prior, Regression, joined, mean_variance, solve
 from repro.identification.uncertainty import Perturbation, WeightedLog
 from repro.logs.armfile import Arm
 from repro.logs.log import Log

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from repro.errors import option
+from repro.identification.regression import solve
 from repro.identification.scores import driven, relative_rms
-from repro.identification.solve import solve
 from repro.logs.armfile import Arm
 from repro.ownarm.prepare import delay_at_limit
 from repro.ownarm.problem import IdentificationProblem

@@ -7,9 +7,8 @@ import numpy as np
 
 from repro.errors import option
 from repro.identification.calibration import CALIBRATION, OTHER_SCALE, SCALE, CalibrationError, blame_joint_1
-from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, ExtraTerm, values_of
+from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, UNMODELLED_EFFECTS, ExtraTerm, values_of
 from repro.identification.filtering import MIN_ERROR_REDUCTION
-from repro.identification.uncertainty import UNMODELLED_EFFECTS
 from repro.logs.armfile import Arm
 from repro.logs.conventions import READS_BETTER
 from repro.model.parameters import NAMES, Array

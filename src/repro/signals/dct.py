@@ -4,7 +4,7 @@ The transform is the orthonormal DCT of type 2 along the last axis, which is Eq.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,7 @@ from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
 FrequencyUnit = Literal["rad_per_s", "hertz", "index"]
-FREQUENCY_UNITS: tuple[FrequencyUnit, ...] = ("rad_per_s", "hertz", "index")
+FREQUENCY_UNITS: tuple[FrequencyUnit, ...] = get_args(FrequencyUnit)
 
 
 def spectrum(x: ArrayLike) -> Array:
@@ -33,13 +33,10 @@ def band_frequency(n: int, h: float, unit: FrequencyUnit = "rad_per_s") -> Array
     if not 0 < h < np.inf:
         raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
     k = np.arange(n, dtype=np.float64)
-    if unit == "rad_per_s":
-        return np.pi * k / (n * h)
-    if unit == "hertz":
-        return k / (2.0 * n * h)
-    if unit == "index":
-        return k
-    raise ValueError(f"unit: must be one of {FREQUENCY_UNITS}, got {unit!r}.")
+    omega = {"rad_per_s": np.pi * k / (n * h), "hertz": k / (2.0 * n * h), "index": k}
+    if unit not in omega:
+        raise ValueError(f"unit: must be one of {FREQUENCY_UNITS}, got {unit!r}.")
+    return omega[unit]
 
 
 def dct2low(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
@@ -142,10 +139,10 @@ class SignalSettings:
     def __post_init__(self) -> None:
         """Refuse a period, filter or length that no signal can have."""
         for name, kind, least, expected in (
-            ("h", (int, float), np.nextafter(0.0, 1.0), "a finite number above 0, s"),
-            ("c_f", (int, float), 0.0, "a finite number of 0 or more"),
-            ("samples", (int,), 1, "an integer of at least 1"),
-            ("duration", (int, float), np.nextafter(0.0, 1.0), "a finite number above 0, s"),
+            ("h", int | float, np.nextafter(0.0, 1.0), "a finite number above 0, s"),
+            ("c_f", int | float, 0.0, "a finite number of 0 or more"),
+            ("samples", int, 1, "an integer of at least 1"),
+            ("duration", int | float, np.nextafter(0.0, 1.0), "a finite number above 0, s"),
         ):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, kind) or not least <= value < np.inf:
@@ -161,4 +158,4 @@ def image_regressor(
     motion = np.stack([dct2sub(x, settings.samples) for x in (q, dq, ddq)])
     if settings.normalise_motion:
         motion = motion / np.abs(motion).max(-1, keepdims=True)
-    return regressor(motion[0], motion[1], motion[2], friction_steepness)
+    return regressor(*motion, friction_steepness)

@@ -1,13 +1,12 @@
 """Similarity of two signals in time and in frequency: ``metr2ev`` (Algorithm 2, Tables 6-8, 10).
 
 The listing of Algorithm 2 is lost. The formulas are those that explain the printed numbers best;
-`repro.paper.metric_search` ranks the alternatives. Because the DCT-II of Eq. 5 is orthonormal it
-keeps inner products (Parseval), so the frequency similarity needs no transform: with X, Y the spectra of x, y,
-``|X/|X| - Y/|Y||^2 = 2 - 2 <x, y> / (|x| |y|)``. `TorqueScorer` rests on that.
+`repro.paper.metric_search` ranks the alternatives. The orthonormal DCT-II keeps inner products (Parseval): with X, Y
+the spectra of x, y, ``|X/|X| - Y/|Y||^2 = 2 - 2 <x, y> / (|x| |y|)``, with which `TorqueScorer` needs no transform.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +15,7 @@ from repro.model.parameters import Array, check_beta
 from repro.signals.dct import spectrum
 
 TimeFormula = Literal["mean-square", "energy"]
-TIME_FORMULAS: tuple[TimeFormula, ...] = ("mean-square", "energy")
+TIME_FORMULAS: tuple[TimeFormula, ...] = get_args(TimeFormula)
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ UNIT_FREE_METRIC = MetricSettings("energy")
 
 def _similarity(error_energy: Array, energy: Array, chord2: Array, n: int, s: MetricSettings) -> Similarity:
     """Compute both factors from |x-y|^2, |x|^2 and |X/|X| - Y/|Y||^2."""
-    scale = energy if s.time_formula == "energy" else np.full_like(energy, float(n))
+    scale = energy if s.time_formula == "energy" else float(n)
     time = np.clip(1.0 - np.maximum(error_energy, 0.0) / scale, 0.0, 1.0) ** s.exponent
     frequency = np.clip(1.0 - np.sqrt(np.maximum(chord2, 0.0)), 0.0, 1.0) ** s.exponent
     return Similarity(time, frequency)
@@ -98,16 +97,13 @@ def metr2ev(x: ArrayLike, y: ArrayLike, settings: MetricSettings = PUBLISHED_MET
     unit_x = bands_x / np.sqrt(energy_x)[..., None]
     unit_y = bands_y / np.where(energy_y > 0, np.sqrt(energy_y), 1.0)[..., None]
     chord2 = np.where(energy_y > 0, np.sum((unit_x - unit_y) ** 2, -1), 2.0)
-    error_energy = np.sum((x - y) ** 2, -1)
-    energy = np.broadcast_to(energy_x, error_energy.shape).copy()
-    return _similarity(error_energy, energy, chord2, x.shape[-1], settings)
+    return _similarity(np.sum((x - y) ** 2, -1), energy_x, chord2, x.shape[-1], settings)
 
 
 class TorqueScorer:
     """``metr2ev`` of many parameter sets against one torque (2, N) with its regressor (2, N, 9).
 
-    For tau_r = Y beta, |tau - tau_r|^2 and <tau, tau_r> are quadratic and linear in beta, so a set costs
-    one 9 x 9 form for each joint whatever the length of the signals.
+    |tau - Y beta|^2 and <tau, Y beta> are quadratic and linear in beta: a set costs one 9 x 9 form for each joint.
     """
 
     def __init__(self, tau: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> None:
@@ -126,6 +122,5 @@ class TorqueScorer:
         rebuilt = np.maximum(np.einsum("...a,jab,...b->...j", beta, self._gram, beta, optimize=True), 0.0)
         error = self._energy - 2.0 * cross + rebuilt
         norm = np.sqrt(rebuilt * self._energy)
-        cosine = np.divide(cross, norm, out=np.zeros_like(cross), where=norm > 0)
-        chord2 = 2.0 - 2.0 * cosine
-        return _similarity(error, np.broadcast_to(self._energy, error.shape), chord2, self._n, self._settings)
+        chord2 = 2.0 - 2.0 * np.divide(cross, norm, out=np.zeros_like(cross), where=norm > 0)
+        return _similarity(error, self._energy, chord2, self._n, self._settings)

@@ -1,6 +1,7 @@
 """The identification trajectory (Eq. 10, Fig. 6), random trajectories (Fig. 16) and quintic moves."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,8 +9,7 @@ from repro.model.parameters import Array
 from repro.signals.dct import FrequencyUnit, dct2dev, dct2low
 
 
-@dataclass(frozen=True)
-class Harmonic:
+class Harmonic(NamedTuple):
     """One sinusoid of Eq. 10."""
 
     amplitude: float  # rad
@@ -68,13 +68,10 @@ def random_trajectory(rng: np.random.Generator, duration: float, h: float, c_f: 
     return sampled_motion(dct2low(rng.uniform(*RANDOM_RANGE, (2, n)), h, c_f, unit), h)
 
 
-# Rows: second and first derivative, and value, of s^3, s^4, s^5 at s = 1. In this order elimination needs no pivoting.
-_END = np.array([[6.0, 12.0, 20.0], [3.0, 4.0, 5.0], [1.0, 1.0, 1.0]])
-
-
 def _upper_coefficients(missing: Array) -> Array:
-    """Solve ``_END c = missing`` (3, J) by elimination: the last bits of a library's solver depend on the processor."""
-    a, c = _END.copy(), missing.copy()
+    """Solve ``a c = missing`` (3, J) by elimination: the last bits of a library's solver depend on the processor."""
+    # Rows: second and first derivative, and value, of s^3, s^4, s^5 at s = 1. In this order nothing needs pivoting.
+    a, c = np.array([[6.0, 12.0, 20.0], [3.0, 4.0, 5.0], [1.0, 1.0, 1.0]]), missing.copy()
     for k in range(3):
         factor = a[k + 1 :, k, None] / a[k, k]
         a[k + 1 :] -= factor * a[k]
