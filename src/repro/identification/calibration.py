@@ -60,6 +60,13 @@ class CalibrationError(Term):
     after: float  # the same with all errors corrected
     instead: dict[str, float] = field(default_factory=dict)  # other errors that would explain the log nearly as well
 
+    @property
+    def is_credible(self) -> bool:
+        """Whether it is well away from none, not too large to be one, and reduces the torque error."""
+        away = abs(self.value - CALIBRATION[self.kind].neutral)
+        small = {"zero": away <= MAX_ZERO, "scale": 1.0 / MAX_SCALE <= self.value <= MAX_SCALE}.get(self.kind, True)
+        return away > MIN_Z_SCORE * self.error and small and self.after < self.before
+
 
 def correct_calibration(log: Log, values: Mapping[str, float]) -> Log:
     """Correct positions and torques of a log by the values of calibration errors; a missing one has no effect."""
@@ -91,92 +98,81 @@ def _calibration_problem(log: Log, settings: FilterSettings) -> tuple[Regression
     return r, term_columns(CALIBRATION, log, settings, solve(r.y, r.tau))
 
 
-def _relative_error(log: Log, settings: FilterSettings, values: Mapping[str, float], others: Array) -> float:
-    """Relative RMS error of least squares of a corrected log and others, mean of its joints that have torque."""
-    regression = drop_standstill(prepare(correct_calibration(log, values), settings, even_odd=False))
-    beta = solve(regression.y, regression.tau)
-    if len(others):
-        both = np.concatenate([other_rows([regression]), others])
-        beta = solve(both[:, :-1], both[:, -1])
-    error = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
-    whole = np.linalg.norm(regression.tau, axis=-1)
-    return float(np.mean((error / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
+@dataclass(frozen=True)
+class _Faulty:
+    """A log with calibration errors, and the rows (m, 10) of correct logs of the same arm."""
 
+    log: Log
+    settings: FilterSettings
+    others: Array
 
-def _gauss_newton(
-    log: Log, settings: FilterSettings, names: Sequence[str], others: Array
-) -> dict[str, tuple[float, float]]:
-    """Values of these calibration errors with their standard errors."""
-    kinds = {name: CALIBRATION[name[:-1]] for name in names}
-    values = {name: kind.neutral for name, kind in kinds.items()}
-    errors = dict.fromkeys(names, np.inf)
-    subset = [CALIBRATION_TERMS.index(name) for name in names]
-    for _ in range(MAX_ITERATIONS):
-        r, columns = _calibration_problem(correct_calibration(log, values), settings)
-        a, b = weighted_rows(r, columns[..., subset])
-        steps, spread = (x[N_NINE:] for x in fit_with_errors(a, b, r.h, others))
-        for name, step, error in zip(names, steps, spread, strict=True):
-            size = values[name] if kinds[name].neutral else 1.0
-            longest = kinds[name].max_step
-            values[name] += size * float(np.clip(step, -longest, longest))
-            errors[name] = abs(size) * float(error)
-        if np.all(np.abs(steps) < MAX_LAST_STEP * spread):
-            break
-    return {name: (values[name], errors[name]) for name in names}
+    def relative_error(self, values: Mapping[str, float]) -> float:
+        """Relative RMS error of least squares of the corrected log and others, mean of its joints that have torque."""
+        regression = drop_standstill(prepare(correct_calibration(self.log, values), self.settings, even_odd=False))
+        beta = solve(regression.y, regression.tau)
+        if len(self.others):
+            both = np.concatenate([other_rows([regression]), self.others])
+            beta = solve(both[:, :-1], both[:, -1])
+        error = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
+        whole = np.linalg.norm(regression.tau, axis=-1)
+        return float(np.mean((error / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
+
+    def values(self, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+        """Values of these calibration errors with their standard errors, by Gauss-Newton."""
+        values = {name: CALIBRATION[name[:-1]].neutral for name in names}
+        errors = dict.fromkeys(names, np.inf)
+        subset = [CALIBRATION_TERMS.index(name) for name in names]
+        for _ in range(MAX_ITERATIONS):
+            r, columns = _calibration_problem(correct_calibration(self.log, values), self.settings)
+            fit = fit_with_errors(*weighted_rows(r, columns[..., subset]), r.h, self.others)
+            steps, spread = (x[N_NINE:] for x in fit)
+            for name, step, error in zip(names, steps, spread, strict=True):
+                kind = CALIBRATION[name[:-1]]
+                size = values[name] if kind.neutral else 1.0
+                values[name] += size * float(np.clip(step, -kind.max_step, kind.max_step))
+                errors[name] = abs(size) * float(error)
+            if np.all(np.abs(steps) < MAX_LAST_STEP * spread):
+                break
+        return {name: (values[name], errors[name]) for name in names}
+
+    def errors(self, names: Sequence[str], of: Sequence[str]) -> list[CalibrationError]:
+        """Evaluate some of these calibration errors, which are all corrected."""
+        found = self.values(names)
+        values = {name: value for name, (value, _) in found.items()}
+        after = self.relative_error(values)
+        without = [{other: value for other, value in values.items() if other != name} for name in of]
+        return [
+            CalibrationError(name, *found[name], self.relative_error(rest), after)
+            for name, rest in zip(of, without, strict=True)
+        ]
+
+    def with_rivals(self, error: CalibrationError, names: Sequence[str]) -> CalibrationError:
+        """Add the calibration errors that explain the log nearly as well in place of this one."""
+        instead = {}
+        for other in (name for name in CANDIDATES if name not in names):
+            (rival,) = self.errors([other if name == error.name else name for name in names], [other])
+            if (1.0 - MIN_ERROR_REDUCTION) * rival.after**2 < error.after**2 and rival.is_credible:
+                instead[other] = rival.value
+        return replace(error, instead=instead)
 
 
 def find_calibration_errors(
-    log: Log,
-    settings: FilterSettings,
-    others: Sequence[Regression] = (),
-    names: Sequence[str] = CANDIDATES,
+    log: Log, settings: FilterSettings, others: Sequence[Regression] = (), names: Sequence[str] = CANDIDATES
 ) -> tuple[CalibrationError, ...]:
     """Find the calibration errors with these names in a log; `others` are correct regressions of the same arm."""
     r, columns = _calibration_problem(log, settings)
-    rows = other_rows(others)
-    candidates = _candidates(columns, r.mask, names)
-    subset = best_subset(*weighted_rows(r, columns), dict.fromkeys(candidates, MIN_ERROR_REDUCTION), rows)
-    names = [CALIBRATION_TERMS[k] for k in subset]
+    faulty = _Faulty(log, settings, other_rows(others))
+    candidates = dict.fromkeys(_candidates(columns, r.mask, names), MIN_ERROR_REDUCTION)
+    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, faulty.others)]
     while names:
-        values = _gauss_newton(log, settings, names, rows)
-        errors = [_evaluated(log, settings, values, name, rows) for name in names]
-        rejected = [error for error in errors if not _is_credible(error)]
+        errors = faulty.errors(names, names)
+        rejected = [error for error in errors if not error.is_credible]
         if not rejected:
-            return tuple(_with_rivals(log, settings, error, names, rows) for error in errors)
+            return tuple(faulty.with_rivals(error, names) for error in errors)
         # Gauss-Newton may end far away because of an error that is not there: without it the others converge.
         least = min(rejected, key=lambda error: error.before - error.after)
         names = [name for name in names if name != least.name]
     return ()
-
-
-def _is_credible(error: CalibrationError) -> bool:
-    """Whether a calibration error is well away from none, not too large to be one, and reduces the torque error."""
-    away = abs(error.value - CALIBRATION[error.kind].neutral)
-    small = {"zero": away <= MAX_ZERO, "offset": True, "scale": 1.0 / MAX_SCALE <= error.value <= MAX_SCALE}[error.kind]
-    return away > MIN_Z_SCORE * error.error and small and error.after < error.before
-
-
-def _evaluated(
-    log: Log, settings: FilterSettings, values: Mapping[str, tuple[float, float]], name: str, others: Array
-) -> CalibrationError:
-    """Add the torque errors with all calibration errors corrected, and with all but this one."""
-    every = {other: value for other, (value, _) in values.items()}
-    without_it = {other: value for other, value in every.items() if other != name}
-    before = _relative_error(log, settings, without_it, others)
-    return CalibrationError(name, *values[name], before, _relative_error(log, settings, every, others))
-
-
-def _with_rivals(
-    log: Log, settings: FilterSettings, error: CalibrationError, names: Sequence[str], others: Array
-) -> CalibrationError:
-    """Add the calibration errors that explain the log nearly as well in place of this one."""
-    instead = {}
-    for other in (name for name in CANDIDATES if name not in names):
-        exchanged = [other if name == error.name else name for name in names]
-        rival = _evaluated(log, settings, _gauss_newton(log, settings, exchanged, others), other, others)
-        if (1.0 - MIN_ERROR_REDUCTION) * rival.after**2 < error.after**2 and _is_credible(rival):
-            instead[other] = rival.value
-    return replace(error, instead=instead)
 
 
 def calibration_limits(
