@@ -32,8 +32,7 @@ from repro.identification.regression import Regression, drop_standstill, solve
 from repro.logs.log import Log, kept
 from repro.model.parameters import Array
 
-#: Most iterations of Gauss-Newton, and step in standard errors at which they end.
-MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1
+MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1  # most iterations of Gauss-Newton, and step in standard errors at which they end
 #: Zero (rad) beyond which it is no calibration error but another convention of the log, see `repro.logs.conventions`.
 MAX_ZERO = 0.25
 #: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
@@ -45,11 +44,9 @@ CALIBRATION: dict[str, Kind] = {
     "offset": Kind(offset),
     "scale": Kind(scale, neutral=1.0, max_step=0.3),
 }
-#: Torque constants belong to the arm rather than to a log.
-OTHER_SCALE, SCALE = "scale1", "scale2"
+OTHER_SCALE, SCALE = "scale1", "scale2"  # torque constants belong to the arm rather than to a log
 CALIBRATION_TERMS = term_names(CALIBRATION)
-#: Those that a log is searched for.
-CANDIDATES = tuple(name for name in CALIBRATION_TERMS if name != OTHER_SCALE)
+CANDIDATES = tuple(name for name in CALIBRATION_TERMS if name != OTHER_SCALE)  # those that a log is searched for
 
 
 @dataclass(frozen=True)
@@ -180,8 +177,7 @@ def calibration_limits(
 ) -> dict[str, float | None]:
     """Compute the detection limits (rad, N m, fraction of the scale) of the calibration errors that were not corrected.
 
-    A limit is None where it is beyond `MAX_ZERO`, the largest torque or `MAX_SCALE`: an error of any size could be
-    hidden.
+    A limit beyond `MAX_ZERO`, the largest torque or `MAX_SCALE` is None: an error of any size could be hidden.
     """
     r, columns = _calibration_problem(log, settings)
     names = [SCALE if error.name == OTHER_SCALE else error.name for error in corrected]

@@ -17,8 +17,7 @@ from repro.model.parameters import NAMES, Array
 MIN_SINGULAR_RATIO = 1e-4
 #: A parameter that moves less than this fraction of the RMS torque of its joint is not excited.
 MIN_TORQUE_FRACTION = 2e-3
-#: Coefficients, for columns of unit length, that are smaller are left out of a combination.
-MIN_COEFFICIENT = 1e-3
+MIN_COEFFICIENT = 1e-3  # coefficients, for columns of unit length, that are smaller are left out of a combination
 
 
 @dataclass(frozen=True)

@@ -23,23 +23,17 @@ from repro.model.parameters import Array, check_beta
 from repro.progress import Progress
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
-#: Samples in a period of the fastest harmonic: of the search, and of the check of the limits.
-_COARSE, _FINE = 14, 200
+_COARSE, _FINE = 14, 200  # samples in a period of the fastest harmonic: of the search, and of the check of the limits
 #: Starts that are drawn, starts of the search, weights of exceeded limits one after the other, iterations of each.
 _DRAWS, _BEST, _PENALTIES, _ITERATIONS = 32, 3, (10.0, 1000.0), 60
 _STEP = 1e-7
-#: Log-determinant, with columns of unit length, of a motion without information.
-_NOTHING = -300.0
-#: Paces at which Eq. 10 is tried.
-_PACES = 16
-#: 95 % of a normal distribution lie within so many standard deviations.
-_NORMAL_95 = 1.959964
-#: Fraction of each limit that is used, so that nothing between two samples exceeds it.
-MAX_UTILISATION = 0.999
+_NOTHING = -300.0  # log-determinant, with columns of unit length, of a motion without information
+_PACES = 16  # paces at which Eq. 10 is tried
+_NORMAL_95 = 1.959964  # 95 % of a normal distribution lie within so many standard deviations
+MAX_UTILISATION = 0.999  # fraction of each limit that is used, so that nothing between two samples exceeds it
 _HALVINGS = 30
 _MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
-#: Fraction of the way from the middle of a range to its end within which a motion may begin.
-_MAX_START = 0.9
+_MAX_START = 0.9  # fraction of the way from the middle of a range to its end within which a motion may begin
 
 
 @dataclass(frozen=True)
@@ -115,9 +109,8 @@ def _within(value: Array, low: Array, high: Array) -> Array:
 def expected_accuracy(moved: Moved, noise: Array, friction_steepness: float) -> tuple[Array, float, float]:
     """Compute what least squares on a motion (2, N) would determine with white torque noise (2,), N m.
 
-    Returns the half-widths (9,) of the 95 % intervals, infinite where the motion cannot separate the parameters; the
-    condition number of the regressor over the noise with columns of unit length; the log-determinant of the
-    information.
+    Returns the half-widths (9,) of the 95 % intervals, infinite if they cannot be separated; the condition number of
+    the regressor over the noise with columns of unit length; the log-determinant of the information.
     """
     a, scale = unit_columns(regressor(*moved, friction_steepness) / noise[:, None, None])
     singular, right = np.linalg.svd(a, full_matrices=False)[1:]
@@ -201,8 +194,8 @@ def design(
 ) -> Motion:
     """Find the motion with the largest information from random starts, by L-BFGS with penalties.
 
-    It has `times[0]` periods of `times[1]` s, is at `limits.rest` without speed and acceleration at both ends, and
-    satisfies the limits between samples too. `harmonics` is the highest multiple of the lowest frequency.
+    It has `times[0]` periods of `times[1]` s, and rests at both ends. `harmonics` is the highest multiple of its lowest
+    frequency.
     """
     (steps, h), rest, report = times, limits.rest, Progress("searching for a motion")
     # Series that are zero at time 0 with both derivatives are the null space of their values there.
@@ -255,10 +248,9 @@ def design(
 
 
 def published(limits: Envelope, times: tuple[int, float], highest: float, noise: Array) -> Motion:
-    """Find the pace and amplitude of Eq. 10's motion within the limits that are most informative.
+    """Find the most informative pace and amplitude of Eq. 10's motion within the limits and up to `highest`, Hz.
 
-    Its frequencies are up to `highest`, Hz. It is about the middle of the positions or about the rest, each joint with
-    an amplitude in proportion to its range. The other arguments are those of `design`.
+    It is about the middle of the positions or about the rest, each joint with an amplitude in proportion to its range.
     """
     n, h = times
     once = 3.0 * np.pi / (n * h)  # phase per second of one pass; the faster of its two sines has 2.5 times the phase

@@ -34,14 +34,11 @@ from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 
-#: Standard errors that a term must be away from no effect.
-MIN_Z_SCORE = 4.0
+MIN_Z_SCORE = 4.0  # standard errors that a term must be away from no effect
 #: Reduction of the cross-validated squared error beyond which friction that is not subtracted is reported.
 MIN_REPORTED_REDUCTION = 0.05
-#: Blocks of the log in cross-validation.
-BLOCKS = 6
-#: Difference with which columns of errors of the position are made, rad.
-POSITION_DIFFERENCE = 1e-4
+BLOCKS = 6  # blocks of the log in cross-validation
+POSITION_DIFFERENCE = 1e-4  # difference with which columns of errors of the position are made, rad
 #: Speeds at which Stribeck friction may have fallen to 1/e of its value at rest, rad/s.
 STRIBECK_SPEEDS = (0.1, 0.2, 0.5)
 N_NINE = len(NAMES)
@@ -80,8 +77,7 @@ class SmoothLog:
         return self.tau - friction
 
 
-#: Torque (2, N, k) that terms of unit size add.
-Columns = Callable[[SmoothLog], Array]
+Columns = Callable[[SmoothLog], Array]  # torque (2, N, k) that terms of unit size add
 
 
 def one_joint(values: Array) -> Array:
@@ -163,8 +159,7 @@ def backlash(log: SmoothLog, width: float) -> Array:
 
 
 ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constants that change with the current"
-#: Speeds (rad/s) and powers of the forms of Stribeck friction.
-_STRIBECK = tuple(product(STRIBECK_SPEEDS, (1, 2)))
+_STRIBECK = tuple(product(STRIBECK_SPEEDS, (1, 2)))  # speeds (rad/s) and powers of the forms of Stribeck friction
 #: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts. The teeth of a gear
 #: may change sides at several loads over the largest one.
 UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
@@ -180,8 +175,7 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     "elasticity": (elasticity,),
     "backlash": tuple(partial(backlash, width=width) for width in (0.02, 0.05, 0.15)),
 }
-#: Effects that differ from log to log of one arm.
-OF_A_LOG = (ZEROS, OFFSETS)
+OF_A_LOG = (ZEROS, OFFSETS)  # effects that differ from log to log of one arm
 #: Largest credible torque of an effect, over the largest torque of its joint: beyond it something else looks like it.
 LARGEST_SHARE = {CONSTANTS: 0.3}
 
@@ -204,8 +198,7 @@ TERMS: dict[str, Kind] = {
     "stribeck": Kind(stribeck),
     "rotor": Kind(rotor_inertia, (2,), min_reduction=MIN_REPORTED_REDUCTION),
 }
-#: The kind that is no friction: it is subtracted without being asked.
-ROTOR = "rotor"
+ROTOR = "rotor"  # the kind that is no friction: it is subtracted without being asked
 
 
 def term_names(kinds: Mapping[str, Kind]) -> tuple[str, ...]:
@@ -280,8 +273,7 @@ def weighted_rows(regression: Regression, columns: Array) -> tuple[Array, Array]
     return a, regression.tau * weight
 
 
-#: Rows of no other log.
-NO_ROWS: Array = np.empty((0, N_NINE + 1))
+NO_ROWS: Array = np.empty((0, N_NINE + 1))  # rows of no other log
 
 
 def reduced_rows(a: Array, b: Array) -> Array:
@@ -361,10 +353,7 @@ def _nine_and(subset: Sequence[int]) -> list[int]:
 def best_subset(
     a: Array, b: Array, candidates: Mapping[int, float], others: Array = NO_ROWS, by_joint: bool = False
 ) -> list[int]:
-    """Choose the columns behind the nine that predict blocks best, each worth a fraction of the error by number.
-
-    That is the squared error of both joints, or the product of theirs.
-    """
+    """Choose columns behind the nine that predict blocks best; each must be worth its fraction of the squared error."""
     subsets = [subset for size in range(len(candidates) + 1) for subset in combinations(candidates, size)]
     blocks = _blocks(a, b)
     penalty = [-sum(np.log(1.0 - candidates[k]) for k in subset) for subset in subsets]
@@ -378,8 +367,7 @@ def detection_limits(
 ) -> list[float]:
     """Compute the smallest size of each candidate that both rules would accept, next to the chosen columns.
 
-    A column of size x reduces the squared error by x^2 S, with S its part that no other column contains; that must be
-    `MIN_ERROR_REDUCTION` of the error with it.
+    A column of size x reduces the squared error by x^2 S, with S its part that no other column contains.
     """
     error, limits = float(cross_validation_error(a[..., _nine_and(chosen)], b, others).sum()), []
     for k in candidates:
@@ -404,9 +392,8 @@ def _residual(regression: Regression, columns: Array) -> float:
 def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[ExtraTerm, ...]:
     """Find what to subtract from logs of one arm and what would help, in the order of `TERM_NAMES`.
 
-    Friction is subtracted if it may be, the rotor always. The logs are uniformly sampled and have correct calibration;
-    the load is that of least squares. Each of several logs is weighted by its errors with all terms in the model: a
-    noisy log must not hide what a good one shows.
+    Friction is subtracted if it may be, the rotor always. The logs have correct calibration. Each of several is
+    weighted by its errors with all terms in the model: a noisy log must not hide what a good one shows.
     """
     each = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
     whole = joined(each)

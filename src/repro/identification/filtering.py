@@ -35,20 +35,15 @@ MIN_SHORTENED_SAMPLES = 4096
 #: Squared coherence of the torque (mean of both joints), and amplitude of the position over its noise (20 dB, of the
 #: better joint), that a frequency needs.
 MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 10.0
-#: Range of the cut-off, Hz.
-LOWEST_CUTOFF, HIGHEST_CUTOFF = 1.0, 10.0
-#: Length of a segment of the spectra, s.
-SEGMENT = 3.0
+LOWEST_CUTOFF, HIGHEST_CUTOFF = 1.0, 10.0  # range of the cut-off, Hz
+SEGMENT = 3.0  # length of a segment of the spectra, s
 #: Coefficients of the cosines that add up to a window of the spectra.
 HANN, BLACKMAN_HARRIS = (0.5, 0.5), (0.35875, 0.48829, 0.14128, 0.01168)
 #: Values of lambda that are tried, s/rad: from friction that sets in over 0.2 rad/s to one that is a step.
 STEEPNESS_GRID = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
-#: Largest delay that is searched, s, and number of delays.
-MAX_DELAY, N_DELAYS = 0.02, 11
-#: Latest delay that a drive is expected to have, sampling periods: any other needs evidence.
-EXPECTED_DELAY = 2.0
-#: Fraction of the squared error by which an effect must reduce it.
-MIN_ERROR_REDUCTION = 0.2
+MAX_DELAY, N_DELAYS = 0.02, 11  # largest delay that is searched, s, and number of delays
+EXPECTED_DELAY = 2.0  # latest delay that a drive is expected to have, sampling periods: any other needs evidence
+MIN_ERROR_REDUCTION = 0.2  # fraction of the squared error by which an effect must reduce it
 BUTTERWORTH_ORDER = 4
 SAVITZKY_GOLAY_DEGREE = 3
 #: Half-power frequency of a cubic Savitzky-Golay window of 2 m + 1 samples times m + 1/2, in half the sampling rate;
@@ -63,9 +58,8 @@ def dct_pair(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     """Apply the paper's DCT low-pass (Eq. 6, 14) with derivatives that keep the phase.
 
     The paper's backward difference lags by half a sample at each order. Here the cosine series itself is
-    differentiated: with s = t + h/2, sum_k X_k cos(omega_k s) becomes -sum_k omega_k X_k sin(omega_k s). The series is
-    even about both ends, so a signal that moves there has a kink; the Gaussian keeps its effect within a few sqrt(2
-    c_f) of the ends.
+    differentiated: with s = t + h/2, sum_k X_k cos(omega_k s) becomes -sum_k omega_k X_k sin(omega_k s). A signal that
+    moves at an end has a kink there; the Gaussian keeps its effect within a few sqrt(2 c_f).
     """
     n = x.shape[-1]
     omega = np.pi * np.arange(n) / (n * h)
@@ -90,12 +84,10 @@ def savitzky_golay(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
 
 
 def butterworth(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
-    """Apply a Butterworth low-pass forwards and backwards, with central differences.
-
-    The gain 1 / (1 + (f / f_0)^8) of both passes is 1/sqrt(2) at f_0 (sqrt(2) - 1)^(1/8).
-    """
+    """Apply a Butterworth low-pass forwards and backwards, with central differences."""
     from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415  (as above)
 
+    # The gain 1 / (1 + (f / f_0)^8) of both passes is 1/sqrt(2) at f_0 (sqrt(2) - 1)^(1/8).
     corner = cutoff / (np.sqrt(2.0) - 1.0) ** (0.5 / BUTTERWORTH_ORDER)
     sos = butter(BUTTERWORTH_ORDER, min(2.0 * corner * h, 0.99), output="sos")
     smooth: Array = sosfiltfilt(sos, x, axis=-1)
@@ -327,11 +319,9 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
     """Estimate the delay of the torque, at most `MAX_DELAY` to either side, and its standard error, s.
 
     Columns (2, n, k) at the retained samples join the regressor: of effects that the delay would otherwise absorb.
-
-    A board that holds its torque over a sampling period acts half a period late; drives and buses add to it. The sum of
-    squared errors of ordinary least squares is close to a parabola about the true delay. Unmodelled effects move it by
-    some milliseconds. Unless it reduces the squared error by `MIN_ERROR_REDUCTION`, the result is therefore the nearest
-    delay of at most `EXPECTED_DELAY`, and its standard error includes the distance.
+    The sum of squared errors is close to a parabola about the true delay. Unmodelled effects move it by milliseconds.
+    Unless it reduces the squared error by `MIN_ERROR_REDUCTION`, the result is therefore the nearest delay of at most
+    `EXPECTED_DELAY`, and its standard error includes the distance.
     """
     delays = np.linspace(-MAX_DELAY, MAX_DELAY, N_DELAYS)
     ends = np.cumsum([retained_samples(piece, settings)[1].size for piece in log.pieces])

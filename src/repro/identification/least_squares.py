@@ -33,18 +33,15 @@ HUBER_THRESHOLD = 1.345
 ROBUST_ITERATIONS, ROBUST_TOLERANCE = 25, 1e-3
 #: Penalties that the parsimonious method tries, in units of the viscous torque's own energy.
 PENALTIES = (0.0, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0, 3.0)
-#: Blocks of its cross-validation.
-BLOCKS = 10
+BLOCKS = 10  # blocks of the parsimonious method's cross-validation
 VISCOUS = slice(5, 7)
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
 MIN_EIGENVALUE_RATIO = 1e-3
-#: Friction torque over the largest torque of a parameter below which friction is set to zero.
-MIN_FRICTION_RATIO = 1e-6
+MIN_FRICTION_RATIO = 1e-6  # friction torque over the largest torque of a parameter below which friction is set to zero
 #: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 NONE_KNOWN = np.zeros(9)
-#: Lower bounds: friction is zero or more, the rest is free.
-LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)
+LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)  # lower bounds: friction is zero or more, the rest is free
 
 
 def with_known(method: Callable[[Regression], Estimate]) -> Callable[[Regression], Estimate]:
@@ -102,9 +99,8 @@ def _median_scale(error: Array, mask: NDArray[np.bool_]) -> Array:
 def instrumental(regression: Regression) -> Estimate:
     """Compute the instrumental-variable estimate, with the joints weighted as in weighted least squares.
 
-    Noise in the position, e.g. of an encoder, attenuates least squares. The regressor of every other sample is
-    therefore the instrument for that of the samples between, whose noise is independent, and vice versa. (The bias of
-    the tanh of Coulomb friction remains, because it is not linear in the noise.)
+    Noise of the position attenuates least squares. The regressor of every other sample is therefore the instrument for
+    that of the samples between, whose noise is independent. (The tanh of Coulomb friction, not linear, stays biased.)
     """
     if regression.even_odd is None:
         raise NoSolutionError("the regression was made without the regressors of every other sample")
@@ -145,8 +141,7 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Arr
     """Minimise |R z - c| over beta = z / scale + known (9,) whose inertia has eigenvalues of `margin` (kg m^2) or more.
 
     M(q) is positive definite in every pose when [[I1 - I3, I2/2], [I2/2, I3]] is (see `repro.model.parameters`): a
-    linear matrix inequality, solved by Clarabel through CVXPY. Friction must not be negative. Gravity may have either
-    sign.
+    linear matrix inequality, solved by Clarabel through CVXPY. Friction must not be negative.
     """
     import cvxpy as cp  # noqa: PLC0415  (takes a second to load, and most logs need none of it)
 
@@ -171,10 +166,8 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Arr
 
 
 def solve_consistent(r: Array, c: Array, scale: Array, known: Array = NONE_KNOWN) -> tuple[Array, bool]:
-    """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding.
-
-    Least squares under the bounds on friction alone is cheap, and the solution where its inertia is definite.
-    """
+    """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding."""
+    # Bounds on friction alone are cheap, and give the solution where its inertia is definite.
     z = lsq_linear(r, c, bounds=(LOWER_BOUNDS, np.inf), method="bvls").x
     z *= determined(r, c)  # which leaves no rounding in the rows that pull
     z[5:] = np.maximum(clip_to_bound(z, 1e-12)[5:], 0.0)
@@ -200,8 +193,7 @@ def parsimonious(regression: Regression) -> Estimate:
 
     Slow motion hardly distinguishes viscous from Coulomb friction. A penalty rho |Y_b b|^2 therefore shrinks the
     viscous torque: the strongest whose error in block cross-validation is within one standard error of the smallest
-    (Breiman et al., "Classification and Regression Trees", 1984, section 3.4.3; of the differences, because the blocks
-    are the same).
+    (Breiman et al., "Classification and Regression Trees", 1984, section 3.4.3).
     """
     penalty = PENALTIES[choose_penalty(_cross_validation_errors(regression))]
     note = f"viscous torque shrunk with a penalty of {penalty:g}, the most that prediction of left-out blocks allows"

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 LEAST_SQUARES = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
 #: Methods that train a network for the motion, of `repro.identification.algorithm1.own_network`.
 NETWORKS = ("algorithm1", "algorithm1+refinement")
-#: Names that stand for several methods.
-GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}
+GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}  # names that stand for several methods
 #: Baselines of Algorithm 1 in the tables, with the name of the method of least squares.
 BASELINES = {"least-squares": "ordinary", "bounded": "bounded", "consistent": "consistent"}
 #: Methods of the paper's tables, in the order of tables and legends; the first is the paper's as listed.

@@ -20,14 +20,11 @@ from numpy.typing import NDArray
 
 from repro.model.parameters import Array
 
-#: Speed below which a joint stands still, rad/s.
-STANDSTILL_SPEED = 0.02
+STANDSTILL_SPEED = 0.02  # speed below which a joint stands still, rad/s
 #: Fraction of time that a joint must move for its standstill to be masked: of one that hardly moves too little remains.
 MIN_MOVING_FRACTION = 0.2
-#: Fraction of time below which a joint does not move at all.
-IDLE_FRACTION = 0.01
-#: Fields of a regression with a sample on their second axis.
-SIGNALS = ("y", "tau", "q", "dq", "ddq", "mask")
+IDLE_FRACTION = 0.01  # fraction of time below which a joint does not move at all
+SIGNALS = ("y", "tau", "q", "dq", "ddq", "mask")  # fields of a regression with a sample on their second axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,10 +167,7 @@ def correlation_time(error: Array, h: float) -> float:
 
 
 def residual_autocorrelation(regression: Regression, beta: Array, cutoff: float) -> tuple[float, float]:
-    """Autocorrelation of each joint's residual at a lag of one period of the cut-off (Hz).
-
-    Filtering alone correlates neighbouring samples, but not samples a whole period of the cut-off apart.
-    """
+    """Autocorrelation of each joint's residual one period of the cut-off (Hz) apart, which filtering does not cause."""
     error = regression.tau - regression.y @ beta
     error = error - error.mean(-1, keepdims=True)
     lag = max(round(1.0 / (cutoff * regression.h)), 1)
@@ -188,8 +182,7 @@ def residual_autocorrelation(regression: Regression, beta: Array, cutoff: float)
 # Least squares of a regression that may not excite every parameter, by its normal equations. Columns of unit length
 # leave the equations a condition number of the square of some tens, and a method can be repeated hundreds of times.
 
-#: Singular values below this fraction of the largest count as zero, for columns of unit length.
-RANK_TOLERANCE = 1e-6
+RANK_TOLERANCE = 1e-6  # singular values below this fraction of the largest count as zero, for columns of unit length
 #: Columns shorter than this fraction of the longest are rounding of a joint that does not move, and count as zero.
 MIN_COLUMN_RATIO = 1e-9
 #: Weights of the rows that pull to zero, for columns of unit length: undetermined directions, and all parameters.
@@ -223,8 +216,8 @@ def solve_normal(gram: Array, right: Array, length: Array) -> Array:
 def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None = None) -> Array:
     """Compute the parameters (9,) with the smallest sum of squared torque errors, from y (2, n, 9) and tau (2, n).
 
-    `weight` of each squared error broadcasts to (2, n); next to a prior, weighted rows have a variance of 1. Parameters
-    that are not unique are the shortest in units of the columns' length; one that the motion does not move is 0.
+    `weight` of each squared error broadcasts to (2, n); next to a prior, weighted rows have a variance of 1. Of
+    parameters that are not unique, the shortest in units of the columns' length are the solution.
     """
     if weight is None and prior is None:
         a, scale = unit_columns(y)

@@ -16,14 +16,11 @@ from repro.model.dynamics import check_motion, forward_dynamics, rebuild_torque
 from repro.model.parameters import Array, is_positive_definite
 from repro.signals.metric import UNIT_FREE_METRIC, MetricSettings, metr2ev
 
-#: Torque over the torques that it is made of, below which a joint is not driven.
-MIN_DRIVE_RATIO = 0.02
-#: Length of a window of re-simulation, s, and most windows, evenly spread over the log.
-WINDOW, MAX_WINDOWS = 0.5, 40
+MIN_DRIVE_RATIO = 0.02  # torque over the torques that it is made of, below which a joint is not driven
+WINDOW, MAX_WINDOWS = 0.5, 40  # length of a window of re-simulation, s, and most windows, evenly spread over the log
 #: Longest step of the integration, s, and its largest product with the fastest decay of friction.
 MAX_STEP, MAX_DECAY_STEP = 2.5e-3, 1.0
-#: Most steps in a sample: M(q) that needs more is nearly singular.
-MAX_STEPS_PER_SAMPLE = 40
+MAX_STEPS_PER_SAMPLE = 40  # most steps in a sample: M(q) that needs more is nearly singular
 
 
 def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSettings) -> pd.DataFrame:
@@ -36,10 +33,7 @@ def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSett
 
 
 def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
-    """Compute the RMS torque error of each joint over the RMS torque, or over the torques that it is made of.
-
-    A joint that falls freely has no torque to compare with, but inertia, gravity and friction that add up to it.
-    """
+    """Compute the RMS torque error of each joint over the RMS torque, or of a freely falling joint over its parts."""
     error = _rms(regression.tau - regression.y @ beta)
     whole = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
     first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0)
@@ -47,10 +41,7 @@ def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
 
 
 def unexplained(regression: Regression, parameters: slice = slice(None)) -> Array:
-    """Compute the fraction (2,) of each joint's squared torque that Eq. 1 leaves, in blocks predicted from the others.
-
-    Only some of the parameters may take part. A joint without rows has 0.
-    """
+    """Compute the fraction (2,) of squared torque that these parameters leave, in blocks predicted from the others."""
     chosen = np.zeros(regression.y.shape[-1])
     chosen[parameters] = 1.0
     rows, torque = weighted_rows(regression, np.empty((*regression.tau.shape, 0)))
@@ -85,9 +76,9 @@ def similarity(regression: Regression, beta: Array) -> tuple[float, float]:
 def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
     """Compute the RMS error of the re-simulated position, rad, for parameter sets (m, 9) on a uniformly sampled log.
 
-    An arm without its controller forgets where it started within seconds. The simulation therefore restarts from the
-    recorded state at the beginning of each window; the error is the median of the windows' RMS. It is None where M(q)
-    is not positive definite or nearly singular, or the model diverges in half of the windows.
+    Without a controller an arm forgets its start within seconds. The simulation therefore restarts in each of several
+    windows; the error is the median of their RMS. It is None where M(q) is not positive definite or nearly singular,
+    or the model diverges in half of the windows.
     """
     h = period(log)
     steps = np.array([_steps_per_sample(b, h, settings.friction_steepness) for b in betas])

@@ -56,18 +56,13 @@ from repro.logs.log import Log
 from repro.model.parameters import Array
 
 REPLICATES = 200
-#: Correlation times in a block, and fewest blocks in a log.
-CORRELATION_TIMES_PER_BLOCK, MIN_BLOCKS = 5.0, 20
-#: Groups of the jackknife: parts of the log that are left out in turn.
-GROUPS = 6
-#: Factors on cut-off and width of the filters.
-FILTER_FACTORS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))
+CORRELATION_TIMES_PER_BLOCK, MIN_BLOCKS = 5.0, 20  # correlation times in a block, and fewest blocks in a log
+GROUPS = 6  # groups of the jackknife: parts of the log that are left out in turn
+FILTER_FACTORS = ((0.8, 0.7), (0.8, 1.4), (1.25, 0.7), (1.25, 1.4))  # factors on cut-off and width of the filters
 #: Factors on lambda of Eq. 1, up to which it may be wrong: half the widest step of the values that `auto` chooses from.
 STEEPNESS_FACTORS = (2.5**-0.5, 2.5**0.5)
-#: Inertia and gravity: the first parameters, whose terms SIMEX perturbs.
-N_SIMEX_TERMS = 5
-#: Name of `simex` among the perturbations.
-SIMEX = "errors of the motion"
+N_SIMEX_TERMS = 5  # inertia and gravity: the first parameters, whose terms SIMEX perturbs
+SIMEX = "errors of the motion"  # name of `simex` among the perturbations
 F_TEST_LEVEL = 0.05
 
 
@@ -137,10 +132,7 @@ class WeightedLog:
 def join_filtered(
     logs: Sequence[WeightedLog], cutoff: float = 1.0, width: float = 1.0, later: float = 0.0, steeper: float = 1.0
 ) -> Regression:
-    """Filter logs of one arm and join them to one regression without standstill.
-
-    Both filters and lambda of each log are multiplied by factors, and its torque acts `later`, s.
-    """
+    """Join logs without standstill, with factors on filters and lambda, and torque that acts `later`, s."""
     parts = []
     for log in logs:
         changed = replace(
@@ -283,10 +275,7 @@ def bootstrap(
     replicates: int = REPLICATES,
     report: Callable[[int, int], None] = lambda *_: None,
 ) -> Uncertainty:
-    """Compute standard errors and 95 % intervals of a method on the regression that gave the estimate `first`.
-
-    NoSolutionError is raised if the method has no solution on most replicates, or on the log through another filter.
-    """
+    """Compute standard errors and 95 % intervals of a method on the regression that gave the estimate `first`."""
     n, beta = regression.t.size, first.beta
     length = block_length(regression.tau - regression.y @ beta, regression.h)
     if not method.needs_even_odd:  # two thirds of what a replicate copies

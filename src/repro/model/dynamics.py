@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike
 
 from repro.model.parameters import Array, check_beta
 
-#: Steepness of the Coulomb friction's tanh, s/rad (Section IV-A).
-LAMBDA = 20.0
-#: A point this fraction of the reach outside the workspace is outside by rounding.
-_ROUNDING = 1e-12
+LAMBDA = 20.0  # steepness of the Coulomb friction's tanh, s/rad (Section IV-A)
+_ROUNDING = 1e-12  # a point this fraction of the reach outside the workspace is outside by rounding
 
 
 def check_motion(*signals: ArrayLike) -> tuple[Array, ...]:

@@ -101,10 +101,7 @@ def metr2ev(x: ArrayLike, y: ArrayLike, settings: MetricSettings = PUBLISHED_MET
 
 
 class TorqueScorer:
-    """``metr2ev`` of many parameter sets against one torque (2, N) with its regressor (2, N, 9).
-
-    |tau - Y beta|^2 and <tau, Y beta> are quadratic and linear in beta: a set costs one 9 x 9 form for each joint.
-    """
+    """``metr2ev`` of many parameter sets, by a 9 x 9 form each, against one torque (2, N) with regressor (2, N, 9)."""
 
     def __init__(self, tau: Array, y: Array, settings: MetricSettings = PUBLISHED_METRIC) -> None:
         self._settings = settings

@@ -23,8 +23,7 @@ from repro.signals.validation_motions import (
 
 #: Torque of each joint, N m, and joint speed, rad/s, that a motion may need at most.
 Limits = tuple[tuple[float, float], float]
-#: Samples that the board's memory holds, which T1-T4 fill: 20.48 s at 2.5 ms.
-MEMORY_SAMPLES = 8192
+MEMORY_SAMPLES = 8192  # samples that the board's memory holds, which T1-T4 fill: 20.48 s at 2.5 ms
 
 
 @dataclass(frozen=True)
@@ -93,10 +92,8 @@ VALIDATION: dict[str, ValidationMotion] = {
     "T3": ValidationMotion(lambda s, _: profile_motion(s.validation_samples, s.h)),
     "T4": ValidationMotion(lambda s, _: sinusoidal_motion(s.validation_samples, s.h)),
 }
-#: The motion of Eq. 10, which parameters are identified from, then those.
-PROGRAMS = ("ID", *VALIDATION)
-#: The validation motions in words.
-SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"
+PROGRAMS = ("ID", *VALIDATION)  # the motion that parameters are identified from, then those
+SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"  # the validation motions in words
 
 
 def reference_trajectory(name: str, settings: TrajectorySettings, rng: np.random.Generator) -> ReferenceTrajectory:
@@ -130,11 +127,7 @@ def check_limits(desired: ReferenceTrajectory, beta: Array, limits: Limits) -> N
 def permitted_trajectory(
     name: str, settings: TrajectorySettings, rng: np.random.Generator, beta: Array, limits: Limits, draws: int = 100
 ) -> ReferenceTrajectory:
-    """Build a reference trajectory that keeps the limits; a random one is drawn up to `draws` times.
-
-    All of 100 draws of T1 with its 12 bands keep the torque limit on an arm with I1 = 0.12 kg m^2; with 45 bands, 2 of
-    10.
-    """
+    """Build a reference trajectory that keeps the limits; a random one is drawn up to `draws` times."""
     for _ in range(draws - 1 if name in VALIDATION and VALIDATION[name].random else 0):
         desired = reference_trajectory(name, settings, rng)
         with suppress(InputError):

@@ -19,8 +19,7 @@ class Harmonic(NamedTuple):
 
 #: Second harmonics of Eq. 10: a cosine for joint 1, a sine for joint 2.
 SECOND_HARMONIC = (Harmonic(0.1, 2.5, 3.0), Harmonic(-0.1, 2.5, 3.0))
-#: Range of the random numbers of Section V-B, rad.
-RANDOM_RANGE = (0.0, 1.0)
+RANDOM_RANGE = (0.0, 1.0)  # range of the random numbers of Section V-B, rad
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,7 @@ def sample_times(duration: float, h: float) -> Array:
 def identification_trajectory(duration: float = 3.0 * np.pi, h: float = 2.5e-3, margin: int = 0) -> Motion:
     """Compute the trajectory of Eq. 10 with its exact derivatives: duration / h + 2 margin samples.
 
-    Over `duration` (s) the phase runs from 0 to 3 pi. **cut** of Algorithm 1 removes `margin` samples at either end
-    again, with the filter's edges. Time is 0 where the trajectory proper starts.
+    Over `duration` (s) the phase runs from 0 to 3 pi. **cut** of Algorithm 1 removes the margins again.
     """
     n = sample_times(duration, h).size
     t = h * np.arange(-margin, n + margin, dtype=np.float64)

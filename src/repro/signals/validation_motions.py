@@ -34,8 +34,7 @@ PROFILE_HOLD = 0.05
 SINE_AMPLITUDE = np.array([[1.0], [1.0]])  # rad
 SINE_FREQUENCY = np.array([[0.25], [0.4]])  # Hz
 
-#: Coefficient of the window f_g at the start and at the end (Section VI), 1/s^2.
-WINDOW_COEFFICIENT = 0.2
+WINDOW_COEFFICIENT = 0.2  # coefficient of the window f_g at the start and at the end (Section VI), 1/s^2
 
 
 def start_and_end_window(time: Array) -> Array:

@@ -13,10 +13,8 @@ import numpy as np
 
 from repro.model.parameters import Array
 
-#: Central fraction of the estimates whose half range is the width.
-CENTRAL_FRACTION = 0.68
-#: Least width, over the largest torque: an estimate's rounding to a digit.
-MIN_WIDTH = 1e-4
+CENTRAL_FRACTION = 0.68  # central fraction of the estimates whose half range is the width
+MIN_WIDTH = 1e-4  # least width, over the largest torque: an estimate's rounding to a digit
 #: Fraction of training motions that are as far from their nearest one as a motion that is called novel.
 NOVEL_FRACTION = 0.01
 
@@ -34,10 +32,7 @@ def normalised_errors(estimates: Array, truth: Array) -> Array:
 
 
 def stretch_factors(errors: Array, levels: Sequence[float]) -> Array:
-    """Compute the factors (levels, 9) on the width that cover arms with these `normalised_errors` (n, 9).
-
-    They are the ceil((n + 1) level)-th smallest of the errors. A level must be below n / (n + 1).
-    """
+    """Compute the factors (levels, 9) on the width that cover: the ceil((n + 1) level)-th smallest of errors (n, 9)."""
     n = len(errors)
     ranks = np.ceil((n + 1) * np.asarray(levels)).astype(int)
     if (ranks > n).any() or (ranks < 1).any():
@@ -46,10 +41,9 @@ def stretch_factors(errors: Array, levels: Sequence[float]) -> Array:
 
 
 def distances(motions: Array, others: Array | None = None) -> Array:
-    """Compute the distance (n,) of each motion from the nearest of `others`, by default of the other motions.
+    """Compute the distance (n,) of motions, as regressors (n, 2, M, 9), from the nearest of `others`, or of each other.
 
-    Motions (n, 2, M, 9) are filtered and subsampled regressors. The distance is the root of the mean over parameters of
-    |Y - Y_k|^2 / |Y|^2 at the nearest k, which does not depend on units.
+    It is the root of the mean over parameters of |Y - Y_k|^2 / |Y|^2 at the nearest k, which does not depend on units.
     """
     own = np.moveaxis(motions, -1, 1).reshape(len(motions), 9, -1)
     size = np.sum(own**2, axis=-1)  # (n, 9)

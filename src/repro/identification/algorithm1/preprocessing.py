@@ -15,9 +15,7 @@ from repro.signals.dct import SignalSettings, dct2dev, dct2low, dct2sub, image_r
 class PreparedSignals:
     """Signals after line 12."""
 
-    #: The cut signals in canonical time, in which the trajectory lasts as long as in training; the torque as it is
-    #: before line 6. Lines 30 and 31 compare on it.
-    regression: Regression
+    regression: Regression  # the cut signals in canonical time, in which training is; the torque before line 6
     c_p: float  # factor of **fit2trt** (Eq. 15)
     torque_scale: float  # largest magnitude of the subsampled torque, N m, before line 6: unit of the parameters
     alpha: Array  # subsampled torque over `torque_scale` (tau_n), (2, M)
@@ -32,10 +30,7 @@ class PreparedSignals:
 
 
 def fit2trt(tau: Array, tau_mean: Array) -> float:
-    """Compute the factor that brings a torque to the level of the mean training torque (Eq. 15, Fig. 9), both (2, N).
-
-    It is the mean of |tau_mean| / |tau|, the norms taken over the joints, where the torque is not zero to rounding.
-    """
+    """Compute the mean of |tau_mean| / |tau|, norms over the joints (2, N), where tau is not zero (Eq. 15, Fig. 9)."""
     if tau.shape != tau_mean.shape:
         raise ValueError(f"tau, tau_mean: shapes {tau.shape} and {tau_mean.shape} differ.")
     norm = np.linalg.norm(tau, axis=0)
@@ -75,18 +70,17 @@ def prepare(
 ) -> PreparedSignals:
     """Apply lines 5 to 12 of Algorithm 1 to cut and filtered signals in recorded time.
 
-    `tau_mean` (2, N) is the mean torque of the training data at the same samples, `time_scale` is canonical time over
-    recorded time. f of the image is evaluated on `image_motion` (an extension of ours), by default the measured motion.
+    `tau_mean` (2, N) is the mean torque of the training data at the same samples. f of the image is evaluated on
+    `image_motion` (an extension of ours), by default the measured motion.
     """
-    steepness = LAMBDA * time_scale  # tanh(lambda dq/dt) = tanh(lambda p dq/dt') with t' = p t
-    c_p = fit2trt(recorded.tau, tau_mean)  # line 5
-    # Line 6 multiplies tau by c_p. Line 12 divides by the largest torque, so c_p reaches the result in line 32
-    # alone, where it cancels; it is left out of the signals here and carried as a number.
-    r = recorded
-    motion = (r.q, r.dq / time_scale, r.ddq / time_scale**2)
-    shown = motion
-    if image_motion is not None:
-        shown = (image_motion[0], image_motion[1] / time_scale, image_motion[2] / time_scale**2)
+    r, steepness = recorded, LAMBDA * time_scale  # tanh(lambda dq/dt) = tanh(lambda p dq/dt') with t' = p t
+    # Line 6 multiplies tau by c_p of line 5. Line 12 divides by the largest torque, so c_p reaches the result in line
+    # 32 alone, where it cancels; it is left out of the signals here and carried as a number.
+    c_p = fit2trt(recorded.tau, tau_mean)
+    motion, shown = (
+        (q, dq / time_scale, ddq / time_scale**2)
+        for q, dq, ddq in ((r.q, r.dq, r.ddq), image_motion or (r.q, r.dq, r.ddq))
+    )
     q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.samples) for x in (*motion, r.tau))  # line 7
     torque_scale = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
     return PreparedSignals(

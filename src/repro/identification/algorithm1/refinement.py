@@ -38,16 +38,12 @@ class RefinementSettings:
     restarts: int = 500  # fresh guesses in addition to the candidates of Algorithm 1
     keep: int = 200  # most similar candidates that survive a pass and are moved in the next
     passes: int = 200  # with none there is no refinement
-    #: Passes whose guesses the network evaluates. Later moves and selection go on without it: by then the set closes in
-    #: on what the similarity prefers, and an image costs a hundred times a comparison.
-    read_passes: int = 4
+    read_passes: int = 4  # passes whose guesses the network evaluates: an image costs a hundred times a comparison
     reach: float = 1.2  # largest multiple of a difference that a candidate is moved by
     #: Standard deviation of the normal numbers added to a moved candidate, in units of the largest torque: they reach
     #: where the differences do not, such as when a single candidate remains.
     jitter: float = 1e-4
-    #: Independent refinement runs from the same candidates; all their results are pooled. On a short log of a real arm
-    #: three of ten end in a local optimum.
-    starts: int = 1
+    starts: int = 1  # independent runs that are pooled: on a short log three of ten end in a local optimum
 
 
 def restart(
@@ -81,32 +77,24 @@ def refine(
     settings: RefinementSettings,
     rng: np.random.Generator,
 ) -> Array:
-    """Move the best of the candidates (m, 9) pass by pass, and return the ``settings.keep`` most similar, best first.
-
-    Without an estimator it is a control, whose moved guesses are candidates without the network.
-    """
+    """Move the best of the candidates (m, 9) pass by pass, by a control without estimator; most similar come first."""
     if not len(candidates):
         return candidates
     possible = FEASIBILITY[search.feasibility]
     score = TorqueScorer(signals.regression.tau / signals.torque_scale, signals.regression.y, search.metric)
-    similarity = score(candidates).total.mean(-1)
-    best, similarity = _most_similar(candidates, similarity, settings.keep)
+
+    def survivors(old: Array, similarity: Array, new: Array) -> tuple[Array, Array]:
+        beta, similarity = np.concatenate([old, new]), np.concatenate([similarity, score(new).total.mean(-1)])
+        order = np.argsort(-similarity, kind="stable")[: settings.keep]
+        return beta[order], similarity[order]
+
+    best, similarity = survivors(candidates[:0], np.empty(0), candidates)
     for done in range(settings.passes):
-        guess = _move(best, settings, search.low, rng)
-        beta = guess
+        beta = _move(best, settings, search.low, rng)
         if estimator is not None and done < settings.read_passes:
-            beta = np.concatenate([guess, estimator.estimate(guess)])
-        beta = beta[possible(beta)]
-        candidates = np.concatenate([best, beta])
-        similarity = np.concatenate([similarity, score(beta).total.mean(-1)])
-        best, similarity = _most_similar(candidates, similarity, settings.keep)
+            beta = np.concatenate([beta, estimator.estimate(beta)])
+        best, similarity = survivors(best, similarity, beta[possible(beta)])
     return best
-
-
-def _most_similar(beta: Array, similarity: Array, keep: int) -> tuple[Array, Array]:
-    """Select the candidates that survive, best first: a pass moves these and line 30 selects one of them."""
-    order = np.argsort(-similarity, kind="stable")[:keep]
-    return beta[order], similarity[order]
 
 
 def _move(best: Array, settings: RefinementSettings, low: float, rng: np.random.Generator) -> Array:
@@ -139,11 +127,10 @@ class Algorithm1:
         refine_rng: np.random.Generator,
         uniform_rng: np.random.Generator | None = None,
     ) -> tuple[dict[str, Estimate], int]:
-        """Run the search, and with passes the refinement and its controls.
+        """Run the search, and with passes the refinement and its controls; `uniform_rng` is for that without a network.
 
-        `uniform_rng` is for the control without a network, which runs with the published network alone: it would be the
-        same with every other one. Returns the estimates by method, with the similarity of line 30 and the images
-        evaluated so far, and the number of executions that met the threshold.
+        Returns the estimates by method, with the similarity of line 30 and the images evaluated so far, and the number
+        of executions that met the threshold.
         """
         estimator = ResidualEstimator(self.network, self.image, signals)
         candidates = search(estimator, signals, self.search, search_rng)
@@ -152,29 +139,23 @@ class Algorithm1:
         met = int((candidates.similarity >= self.search.threshold).sum())
         if not self.refinement.passes:
             return results, met
+
+        def refined(feedback: ResidualEstimator | None, starts: Array, rng: np.random.Generator) -> Selected:
+            """Select the most similar set of all runs; `rng` is left unchanged: refinement and control move alike."""
+            first = deepcopy(rng)
+            moves = [first, *first.spawn(self.refinement.starts - 1)]
+            best = [refine(feedback, starts, signals, self.search, self.refinement, each) for each in moves]
+            return select(np.concatenate(best), signals, self.search)
+
         starts = restart(estimator, candidates.beta, self.search, self.refinement, refine_rng)
         # The control runs first, so that the number of images is its own.
         for method, feedback in (("local-search", None), ("refinement", estimator)):
-            chosen = self._refined(feedback, starts, signals, refine_rng)
+            chosen = refined(feedback, starts, refine_rng)
             results[f"algorithm1+{method}{suffix}"] = _estimate(chosen, estimator.images)
-        if uniform_rng is not None and not suffix:
-            guesses = uniform_guesses(self.search, uniform_rng)
-            control = self._refined(None, guesses, signals, uniform_rng)
+        if uniform_rng is not None and not suffix:  # it would be the same with every other network
+            control = refined(None, uniform_guesses(self.search, uniform_rng), uniform_rng)
             results["differential-evolution"] = _estimate(control, images=0)
         return results, met
-
-    def _refined(
-        self,
-        estimator: ResidualEstimator | None,
-        candidates: Array,
-        signals: PreparedSignals,
-        rng: np.random.Generator,
-    ) -> Selected:
-        """Select the most similar set of all runs; `rng` is left unchanged: refinement and control move alike."""
-        first = deepcopy(rng)
-        moves = [first, *first.spawn(self.refinement.starts - 1)]
-        best = [refine(estimator, candidates, signals, self.search, self.refinement, each) for each in moves]
-        return select(np.concatenate(best), signals, self.search)
 
 
 def _estimate(selected: Selected, images: int) -> Estimate:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from repro.cnn.image import ImageSettings, image_factors
 from repro.identification.algorithm1.preprocessing import PreparedSignals, filtered, prepare
@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 ImageMotion = Literal["measured", "desired"]
 
-#: Similarity d_u that an execution must reach on an arm (Section VI).
-ARM_THRESHOLD = 0.9237
+ARM_THRESHOLD = 0.9237  # similarity d_u that an execution must reach on an arm (Section VI)
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,6 @@ class Candidates:
     """The set beta_m of line 29."""
 
     beta: Array  # physically possible estimates (n, 9), in units of the largest torque
-    execution: NDArray[np.int64]  # execution that each came from (n,)
     similarity: Array  # n_e of line 27, (n,)
 
 
@@ -68,15 +66,11 @@ class Selected:
     similarity: float  # mean total of both joints on the full-rate signals (line 30)
 
 
-#: Images that the network evaluates at a time.
-BATCH = 100
+BATCH = 100  # images that the network evaluates at a time
 
 
 class ResidualEstimator:
-    """Lines 17 to 21 for many guesses at once: guess -> image -> CNN -> residual -> estimate, of one torque.
-
-    `image` must have the divisors of Eq. 9 that the network was trained with.
-    """
+    """Lines 17 to 21 for many guesses of one torque at once: guess -> image -> CNN -> residual -> estimate."""
 
     def __init__(self, network: "FactoredCNN", image: ImageSettings, signals: PreparedSignals) -> None:
         self._network = network
@@ -108,14 +102,13 @@ def search(
 ) -> Candidates:
     """Lines 8 to 29: repeat guess, image, CNN and evaluation, and return every physically possible estimate.
 
-    All executions advance together, so that the network evaluates their guesses as one batch. Each has its own random
-    stream, so the guesses are those of the listing.
+    All executions advance together, each with its own random stream: the network evaluates their guesses as one batch.
     """
     possible = FEASIBILITY[settings.feasibility]
     score = TorqueScorer(signals.alpha, signals.y_sub, settings.metric)
     streams = rng.spawn(settings.executions)  # line 13: for k_T = 1 to N_exe
     running = np.arange(settings.executions)  # lines 14, 15: n_e = 0, N_it = 0
-    beta_m, origin, similarity = [np.empty((0, 9))], [np.empty(0, np.int64)], [np.empty(0)]  # line 11
+    beta_m, similarity = [np.empty((0, 9))], [np.empty(0)]  # line 11
     for _ in range(settings.inner_limit):  # lines 9, 10, 16: while n_e < u and N_it < L_exe
         if not running.size:
             break
@@ -125,27 +118,22 @@ def search(
         n_e = np.zeros(len(beta))
         n_e[ok] = score(beta[ok]).total.mean(-1)  # lines 26, 27
         beta_m.append(beta[ok])  # line 29
-        origin.append(running[ok])
         similarity.append(n_e[ok])
         running = running[n_e < settings.threshold]  # line 28 is the loop's own count
-    return Candidates(np.concatenate(beta_m), np.concatenate(origin), np.concatenate(similarity))
+    return Candidates(np.concatenate(beta_m), np.concatenate(similarity))
 
 
 def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) -> Selected:
-    """Lines 30 to 32: **high2sel** on the full-rate signals, then the levels of the input torque.
-
-    Without candidates (n, 9), the result is zeros with similarity 0, where line 11 starts.
-    """
-    if not len(beta_m):
+    """Lines 30 to 32: **high2sel** on the full-rate signals, then the levels of the input torque."""
+    if not len(beta_m):  # line 11
         return Selected(np.zeros(9), 0.0)
     r = signals.regression
     similarity = TorqueScorer(r.tau / signals.torque_scale, r.y, settings.metric)(beta_m).total.mean(-1)
     best = int(similarity.argmax())
     beta_o = beta_m[best]  # line 30
     tau_r = rebuild_torque(r.y, beta_o)  # line 31
-    # Line 32, beta_o max(tau_c) / (c_p max(tau_r)), with tau_c = c_p tau after line 6.
-    tau_c = signals.c_p * r.tau
-    beta_o = beta_o * np.abs(tau_c).max() / (signals.c_p * np.abs(tau_r).max())
+    tau_c = signals.c_p * r.tau  # line 6
+    beta_o = beta_o * np.abs(tau_c).max() / (signals.c_p * np.abs(tau_r).max())  # line 32
     return Selected(signals.to_recorded_time(beta_o), float(similarity[best]))
 
 
