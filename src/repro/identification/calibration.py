@@ -1,8 +1,7 @@
 """Calibration errors of a log: found, evaluated against rival explanations, and corrected.
 
 A wrong zero position turns gravity, an offset of the torque is always there, and a wrong torque constant of one joint
-shows because both joints share I2, I3 and g2. `repro.identification.extra_terms` selects among their columns; their
-values follow by Gauss-Newton on the corrected log.
+shows because both joints share I2, I3 and g2. Columns are selected first; Gauss-Newton on the corrected log follows.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,8 +1,7 @@
 """Which parameters a motion identifies, whatever the method.
 
-The regressor with columns of unit length has a rank, the number of base parameters, and a condition number, by how
-much noise of the torque may be magnified. Below full rank only combinations of parameters are determined; pivoted QR
-finds independent columns, and the others are their combinations.
+The regressor with columns of unit length has a rank, the number of base parameters, and a condition number. Below full
+rank only combinations of parameters are determined; pivoted QR finds independent columns and the combinations.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,7 @@
 """A motion to identify an arm by: a finite Fourier series within the arm's limits that is most informative.
 
-Each joint moves by whole multiples of one frequency and begins and ends at rest. The coefficients maximise the
-determinant of the information Y'Y / sigma^2 of the nine parameters (D-optimal): the volume of their common confidence
-region is smallest, whatever units they are in.
+Each joint begins and ends at rest. The coefficients maximise the determinant of the information Y'Y / sigma^2 of the
+nine parameters (D-optimal): the volume of their common confidence region is smallest, whatever units they are in.
 """
 
 from dataclasses import dataclass

@@ -1,12 +1,9 @@
 """Terms that extend Eq. 1, chosen by cross-validation: a rotor, further friction, and calibration errors.
 
-The gear of joint 2 turns its rotor with joint 2 alone, while Eq. 1 has one I3 for both rows; the rotor of joint 1 is
-part of I1. Friction may be in proportion to the load, and larger near rest (Stribeck). Each such term is a candidate
-column next to the nine of the regressor (`TERMS`, and `CALIBRATION` of `repro.identification.calibration`). The chosen
-subset of the candidates predicts blocks of the log from the other blocks best, and each of its columns reduces the
-squared error by `Kind.min_reduction`. A chosen term is also `MIN_Z_SCORE` standard errors away from no effect. Other
-logs of the arm, to which none of the terms applies, may take part in the fit.
-
+Each such term is a candidate column next to the nine of the regressor (`TERMS`, and `CALIBRATION` of
+`repro.identification.calibration`). The chosen subset of the candidates predicts blocks of the log from the other
+blocks best, and each of its columns reduces the squared error by `Kind.min_reduction`. A chosen term is also
+`MIN_Z_SCORE` standard errors away from no effect. Other logs of the arm, to which no term applies, may join the fit.
 Coulomb friction that differs between the two directions is no candidate: while a joint moves it is an offset.
 """
 

@@ -4,11 +4,8 @@ Parallel filtering (Swevers and others): the position is smoothed and differenti
 sines and signs see the true motion; then each column of the regressor and the torque go through the narrow filter,
 which keeps their relation exactly because it is linear. The torque also goes through the wide filter.
 
-Cut-off, steepness of friction and delay of the torque are chosen from the log. The cut-off is the lower of two limits.
-Above the first the position no longer stands out from its own noise, which two differentiations amplify. Above the
-second, where the squared coherence of recorded and rebuilt torque is below one half, noise and unmodelled effects move
-the torque more than the motion does. The second alone is not enough: a controller answers the noise of the position
-with torque, and the two then agree on nothing but noise.
+The cut-off is the lower of two limits: of the position over its noise, and of the squared coherence of recorded and
+rebuilt torque. The second is not enough: a controller answers noise with torque, and the two agree on that.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,13 +1,12 @@
 """The linear regression tau = Y beta along a motion, its rows that count, its residuals, and its least squares.
 
-At rest static friction carries any torque up to its limit, and tanh(lambda dq) of Eq. 1 is zero. A standing sample of
-one joint is therefore no information about that joint's row of Eq. 1, and is masked; the other row still counts.
+At rest static friction carries any torque up to its limit, so a standing sample of one joint is no information about
+that joint's row of Eq. 1, and is masked; the other row still counts.
 
-A Gaussian prior of the parameters adds rows (generalised least squares). A row beta_k = m_k has the standard deviation
-s_k of the prior. The errors of a log are correlated from row to row: n rows are worth n / c independent ones, with c
-the integrated autocorrelation time of the residual over the sampling period. The rows of the prior are therefore
-multiplied by sigma sqrt(c) / s_k, with sigma the residual of the log alone. A parameter with s_k = 0 is known: its
-torque is subtracted, and its column is set to zero.
+A Gaussian prior adds rows (generalised least squares). A row beta_k = m_k has the standard deviation s_k of the prior.
+The rows of a log are correlated: n are worth n / c independent ones, with c the integrated autocorrelation time of the
+residual over the sampling period. Rows of the prior are therefore multiplied by sigma sqrt(c) / s_k, with sigma the
+residual of the log alone. A parameter with s_k = 0 is known: its torque is subtracted, its column set to zero.
 """
 
 from collections.abc import Callable, Sequence

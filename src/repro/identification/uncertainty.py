@@ -1,34 +1,17 @@
 """Expanded uncertainty of an estimate: sampling, choices of the analysis, and effects beyond Eq. 1.
 
 Filtering and unmodelled friction leave residuals correlated over seconds, so single samples cannot be resampled. Three
-uncertainties are combined.
+uncertainties are combined; docs/explanation/methods-and-intervals.md describes them, `ownarm/methods.bib` has sources.
 
-- Sampling: moving-block pairs bootstrap [1]_, which resamples regressor and torque together. Where the delete-a-group
-  jackknife [2]_ gives a larger variance by an F-test, that variance is used: it includes errors that change slowly.
-- Type B [3]_: root mean square shift of the estimate when filters, delay, lambda or calibration errors are different.
-  `UNMODELLED_EFFECTS` are effects beyond Eq. 1, among them the rotor of joint 2, a torque constant that changes with
-  the current, and gears that give way between encoder and link. Each adds columns to the regressor, and where
-  calibration errors were corrected, also to that of the log as it was recorded: they may explain it instead. With these
-  projected out of torque and regressor, any method gives the parameters that it would give with the columns in its
-  model (Frisch, Waugh and Lovell). The squared shift is multiplied by the positive-part shrinkage factor 1 - c / F
-  [4]_, with F of the F-test of the columns and c its 5 % critical value: columns that explain no more than chance add
-  nothing. Such an effect shifts the estimate by anything up to what its columns cause: a rectangular distribution, of
-  variance a^2 / 3 for a shift of a (4.3.7). The largest counts. The bias of a method that is biased on purpose belongs
-  here too.
-- Bias by errors of the motion, estimated by SIMEX [5]_. It widens the interval and does not move the estimate.
+- Sampling: moving-block pairs bootstrap, or the delete-a-group jackknife where its variance is larger by an F-test.
+- Type B: root mean square shift of the estimate under `perturbations`. With the columns of an effect projected out of
+  torque and regressor, any method gives the parameters that it would give with them in its model (Frisch, Waugh and
+  Lovell). The squared shift is multiplied by the positive-part shrinkage factor 1 - c / F (Baranchik 1970) with the
+  critical value c of the F-test. The largest shift a counts, by the variance a^2 / 3 of a rectangular distribution.
+- Bias by errors of the motion, estimated by SIMEX. It widens the interval and does not move the estimate.
 
 Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees
-of freedom, blocks - 1 or groups - 1 for sampling and blocks - 1 for type B. The products and the bias are added in
-quadrature. (The single factor of Welch and Satterthwaite can narrow an interval when an uncertainty is added.)
-
-.. [1] H. R. Kuensch, "The Jackknife and the Bootstrap for General Stationary Observations", Annals of Statistics 17,
-   1217-1241, 1989. doi:10.1214/aos/1176347265
-.. [2] P. S. Kott, "The Delete-a-Group Jackknife", Journal of Official Statistics 17, 521-526, 2001.
-.. [3] JCGM 100:2008, "Evaluation of Measurement Data: Guide to the Expression of Uncertainty in Measurement" (GUM).
-.. [4] A. J. Baranchik, "A Family of Minimax Estimators of the Mean of a Multivariate Normal Distribution", Annals of
-   Mathematical Statistics 41, 642-645, 1970. doi:10.1214/aoms/1177697104
-.. [5] J. R. Cook and L. A. Stefanski, "Simulation-Extrapolation Estimation in Parametric Measurement Error Models",
-   Journal of the American Statistical Association 89, 1314-1328, 1994. doi:10.1080/01621459.1994.10476871
+of freedom. (The single factor of Welch and Satterthwaite can narrow an interval when an uncertainty is added.)
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -207,7 +190,7 @@ def attach_prior(
 ) -> tuple[Regression, dict[str, Perturbation]]:
     """Add a prior to a regression and its perturbations, and the uncertainty of its means as one more of them.
 
-    The squared shifts by means that are off by their standard deviations add up ([3]_, 5.1.2). In linear least squares
+    The squared shifts by means that are off by their standard deviations add up (GUM 5.1.2). In linear least squares
     they complete the covariance of the posterior. The log counts by its whole variance, of sampling and type B.
     """
     beta = solve(regression.y, regression.tau)

@@ -1,8 +1,7 @@
 """Input-to-state stability of Eq. 1 (Eq. 3-4 and Appendix A, Eq. 17-22): constants and conditions.
 
-Every extreme eigenvalue is exact, not searched. M(q) is affine in c = cos q2 and H(q) in x = q2 sin q2; the
-smallest eigenvalue of an affine symmetric family is concave and the largest convex, so both are reached at an
-end of the interval that c or x covers.
+Every extreme eigenvalue is exact: M(q) is affine in c = cos q2 and H(q) in x = q2 sin q2. The smallest eigenvalue of an
+affine symmetric family is concave and the largest convex, so both are at an end of the interval of c or x.
 """
 
 from dataclasses import dataclass

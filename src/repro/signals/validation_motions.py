@@ -1,8 +1,7 @@
 """The desired motions T1-T4 that validate an identified arm (Section VI, Fig. 21-22).
 
-The paper names them: a filtered random vector, a circle, a motion profile and a sinusoidal trajectory, T1, T2
-and T4 multiplied by a window. What it does not give (bandwidth of the random vector, centre and period of the circle,
-levels of the profile, frequencies of the sinusoids) is chosen here.
+The paper names them: a filtered random vector, a circle, a motion profile and a sinusoid, T1, T2 and T4 multiplied by a
+window. Bandwidth, centre and period of the circle, levels of the profile and frequencies are chosen here.
 """
 
 from typing import Literal

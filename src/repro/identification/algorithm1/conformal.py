@@ -1,10 +1,8 @@
 """Conformal error bars for the network's estimate, and a novelty check of the motion.
 
-Algorithm 1 gives no interval. The network estimates the same arm from many guesses. The spread of these estimates is
-too narrow, because they share their error. Split conformal calibration [1]_ stretches it by a factor found on arms of
-known parameters, which covers arms drawn like those for any network.
-
-.. [1] V. Vovk, A. Gammerman, G. Shafer, "Algorithmic Learning in a Random World", Springer, 2005.
+The network estimates the same arm from many guesses. Their spread is too narrow, because they share their error. Split
+conformal calibration (Vovk, Gammerman, Shafer, "Algorithmic Learning in a Random World", 2005) stretches it by a factor
+found on arms of known parameters, which covers arms drawn like those for any network.
 """
 
 from collections.abc import Sequence

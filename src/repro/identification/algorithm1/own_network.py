@@ -1,8 +1,7 @@
 """Algorithm 1 with a CNN trained for this very motion, and its refinement.
 
-The paper trains its network for one trajectory, by numeric substitution of random parameters into Eq. 1 (Section
-IV-A). The same is done here with the motion that was measured: the regressor of the log takes the place of that of
-Eq. 10. Torque and f of the image are both columns of the filtered regressor, subsampled: a long motion brought to 100
+The regressor of the log takes the place of that of Eq. 10, by whose numeric substitution the paper trains (Section
+IV-A). Torque and f of the image are both columns of the filtered regressor, subsampled: a long motion brought to 100
 samples first, as line 7 has it, would no longer be the motion that made the torque.
 """
 

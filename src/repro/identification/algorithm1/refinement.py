@@ -1,17 +1,12 @@
 """Algorithm 1 with its refinement, an extension of ours: the network evaluates guesses drawn from the best estimates.
 
-The moves are those of differential evolution [1]_: each of the best candidates is moved along the difference of two
-others. Such differences are large and correlated in what the similarity leaves open, small in what it has settled,
-and shrink as the set closes in, so the moves need no scale of their own even where the parameters are badly
-conditioned. Each difference has a random length, no parameters are crossed over, and the best of old and new
-together survive; [1]_ does otherwise on all three.
+The moves are those of differential evolution (Storn and Price 1997, in `ownarm/methods.bib`): each of the best
+candidates is moved along the difference of two others. Such differences are large and correlated in what the similarity
+leaves open, small in what it has settled, and shrink as the set closes in. Unlike there, each difference has a random
+length, no parameters are crossed over, and the best of old and new together survive.
 
-The network evaluates the moved guesses of the first passes, and both they and its estimates become candidates. Two
-controls measure the contribution of the network. One makes the same moves from the same candidates without further
+Two controls measure the contribution of the network. One makes the same moves from the same candidates without further
 images. The other starts from uniform guesses without any image.
-
-.. [1] R. Storn and K. Price, "Differential Evolution - A Simple and Efficient Heuristic for Global Optimization over
-   Continuous Spaces", Journal of Global Optimization 11, 341-359, 1997. doi:10.1023/A:1008202821328
 """
 
 from copy import deepcopy
