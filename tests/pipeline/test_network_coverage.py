@@ -9,12 +9,12 @@ from experiment_example import changed, full_config
 
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.identification.algorithm1.conformal import distances, novelty_limit
 from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.regression import solve
 from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline import simulated_arms
+from repro.pipeline.coverage import distances, novelty_limit
 from repro.pipeline.experiment import read_recording
 from repro.pipeline.identifications import mean_training_torque
 from repro.pipeline.simulated_arms import read_tracked, sampled_tracks, simulate_tracked, training_motion

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.identification.algorithm1.conformal import (
+from repro.pipeline.coverage import (
     MIN_WIDTH,
     distances,
     normalised_errors,
