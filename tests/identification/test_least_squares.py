@@ -129,7 +129,7 @@ def test_consistent_is_the_minimum_over_factors_of_the_inertia(seed):
         lambda x: r @ (scale * from_factor(x)) - c, start, bounds=([-np.inf] * 5 + [0.0] * 4, np.inf),
         xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=300,
     )  # fmt: skip
-    expected, found = from_factor(least.x), solve_inequality(r, c, scale, margin)
+    expected, found = from_factor(least.x), solve_inequality(r, c, scale, margin, np.zeros(9))
     assert np.linalg.eigvalsh(pseudo_inertia(found)).min() > 0.99 * margin
     assert np.linalg.norm(r @ (scale * found) - c) ** 2 < 2.0 * least.cost + 1e-7 * (c @ c)
     np.testing.assert_allclose(scale * found, scale * expected, rtol=0, atol=1e-4 * np.linalg.norm(c))

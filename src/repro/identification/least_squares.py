@@ -34,13 +34,11 @@ ROBUST_ITERATIONS, ROBUST_TOLERANCE = 25, 1e-3
 #: Penalties that the parsimonious method tries, in units of the viscous torque's own energy.
 PENALTIES = (0.0, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0, 3.0)
 BLOCKS = 10  # blocks of the parsimonious method's cross-validation
-VISCOUS = slice(5, 7)
 #: Smallest eigenvalue that the inertia may have, over I1 + I3 of the bounded solution: M(q) can be inverted.
 MIN_EIGENVALUE_RATIO = 1e-3
 MIN_FRICTION_RATIO = 1e-6  # friction torque over the largest torque of a parameter below which friction is set to zero
 #: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-NONE_KNOWN = np.zeros(9)
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)  # lower bounds: friction is zero or more, the rest is free
 
 
@@ -132,12 +130,12 @@ def bounded(regression: Regression) -> Estimate:
     r, c, scale = reduced_problem(regression.y, regression.tau, regression.prior)
     z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * determined(r, c)
     beta = clip_to_bound(np.maximum(z, 0.0), 1e-12) / scale
-    free = np.ones(9, bool) if regression.prior is None else ~regression.prior.known
-    zero = [name for name, value, estimated in zip(NAMES, beta, free, strict=True) if value == 0.0 and estimated]
+    known = set() if regression.prior is None else {*np.flatnonzero(regression.prior.known)}
+    zero = [NAMES[k] for k in np.flatnonzero(beta == 0.0) if k not in known]
     return Estimate(beta, (f"held at zero: {', '.join(zero)}",) if zero else ())
 
 
-def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Array = NONE_KNOWN) -> Array:
+def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Array) -> Array:
     """Minimise |R z - c| over beta = z / scale + known (9,) whose inertia has eigenvalues of `margin` (kg m^2) or more.
 
     M(q) is positive definite in every pose when [[I1 - I3, I2/2], [I2/2, I3]] is (see `repro.model.parameters`): a
@@ -158,14 +156,14 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Arr
     if z.value is None:
         raise NoSolutionError(f"the convex solver ended with {problem.status!r}")
     solution: Array = size * np.asarray(z.value)
-    # The pull to zero is below the solver's tolerance. The inertia keeps what its condition requires instead.
+    # The pull to zero is below the solver's tolerance; the inertia keeps what its condition requires. The solver stays
+    # inside its bounds by a hair: friction that small is a bound that holds.
     solution[5:] *= determined(r, c)[5:]
-    # The solver stays inside its bounds by a hair: friction that small is a bound that holds.
     solution[5:] = np.maximum(clip_to_bound(solution, MIN_FRICTION_RATIO)[5:], 0.0)
     return solution / scale + known
 
 
-def solve_consistent(r: Array, c: Array, scale: Array, known: Array = NONE_KNOWN) -> tuple[Array, bool]:
+def solve_consistent(r: Array, c: Array, scale: Array, known: Array) -> tuple[Array, bool]:
     """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding."""
     # Bounds on friction alone are cheap, and give the solution where its inertia is definite.
     z = lsq_linear(r, c, bounds=(LOWER_BOUNDS, np.inf), method="bvls").x
@@ -182,7 +180,7 @@ def solve_consistent(r: Array, c: Array, scale: Array, known: Array = NONE_KNOWN
 def consistent(regression: Regression) -> Estimate:
     """Solve least squares with M(q) positive definite in every pose and no friction negative."""
     problem = reduced_problem(regression.y, regression.tau, regression.prior)
-    beta, binding = solve_consistent(*problem, _known(regression))
+    beta, binding = solve_consistent(*problem, regression.known)
     note = "the conditions of physical consistency hold it" if binding else "consistent without being held"
     return Estimate(beta, (note,))
 
@@ -203,34 +201,28 @@ def parsimonious(regression: Regression) -> Estimate:
 def refit_parsimonious(regression: Regression, penalty: float) -> Array:
     """Compute consistent parameters (9,) under a given penalty rho."""
     rest = without_known(regression)
-    return _shrunk(reduced_problem(rest.y, rest.tau, rest.prior), penalty, _known(rest))
-
-
-def _known(regression: Regression) -> Array:
-    return NONE_KNOWN if regression.prior is None else regression.prior.values
+    return _shrunk(reduced_problem(rest.y, rest.tau, rest.prior), penalty, rest.known)
 
 
 def _shrunk(problem: tuple[Array, Array, Array], penalty: float, known: Array) -> Array:
     """Compute consistent parameters with two rows added that pull the viscous torque to zero."""
     r, c, scale = problem
-    rows = np.sqrt(penalty) * np.eye(9)[VISCOUS]
-    return solve_consistent(np.vstack([r, rows]), np.concatenate([c, np.zeros(len(rows))]), scale, known)[0]
+    rows = np.sqrt(penalty) * np.eye(9)[5:7]
+    return solve_consistent(np.vstack([r, rows]), np.concatenate([c, [0.0, 0.0]]), scale, known)[0]
 
 
 def _cross_validation_errors(regression: Regression) -> Array:
     """Squared error of each block (penalties, blocks), from parameters fitted without it."""
     samples = np.arange(regression.t.size)
-    blocks = np.split(samples, np.linspace(0, samples.size, BLOCKS + 1).astype(int)[1:-1])
     energy = np.mean(regression.tau**2, axis=-1)
     energy = np.where(energy > 0.0, energy, 1.0)
-    errors = np.empty((len(PENALTIES), BLOCKS))
-    for k, inside in enumerate(blocks):
+    errors = []
+    for inside in np.split(samples, np.linspace(0, samples.size, BLOCKS + 1).astype(int)[1:-1]):
         rest, block = regression.take(np.delete(samples, inside)), regression.take(inside)
         problem = reduced_problem(rest.y, rest.tau, rest.prior)
-        for i, penalty in enumerate(PENALTIES):
-            error = block.tau - block.y @ _shrunk(problem, penalty, _known(rest))
-            errors[i, k] = np.sum(np.mean(error**2, axis=-1) / energy)
-    return errors
+        residuals = (block.tau - block.y @ _shrunk(problem, penalty, rest.known) for penalty in PENALTIES)
+        errors.append([np.sum(np.mean(error**2, axis=-1) / energy) for error in residuals])
+    return np.stack(errors, axis=1)
 
 
 def choose_penalty(errors: Array) -> int:

@@ -54,11 +54,6 @@ class Prior:
         weight[self.informative] = self.correlated * inflation[self.informative] / self.sd[self.informative] ** 2
         return weight
 
-    @property
-    def values(self) -> Array:
-        """The known parameters (9,), 0 for the others."""
-        return np.where(self.known, self.mean, 0.0)
-
     def shifted(self, k: int) -> "Prior":
         """Move the mean of a parameter by its standard deviation."""
         mean = self.mean.copy()
@@ -82,6 +77,11 @@ class Regression:
     #: noise is independent if that of the samples is.
     even_odd: Array | None = None
     prior: Prior | None = None  # of the parameters
+
+    @property
+    def known(self) -> Array:
+        """The parameters (9,) that the prior knows, 0 for the others."""
+        return np.zeros(9) if self.prior is None else np.where(self.prior.known, self.prior.mean, 0.0)
 
     def change(self, function: Callable[[Array], Array], **changes: Any) -> "Regression":  # noqa: ANN401
         """Apply a function to the regressor (2, n, 9) and to those of odd and even samples; replace other fields."""
@@ -124,7 +124,7 @@ def without_known(regression: Regression) -> Regression:
     prior = regression.prior
     if prior is None or not prior.known.any():
         return regression
-    return regression.change(lambda y: y * ~prior.known, tau=regression.tau - regression.y @ prior.values)
+    return regression.change(lambda y: y * ~prior.known, tau=regression.tau - regression.y @ regression.known)
 
 
 def drop_idle_joints(regression: Regression) -> Regression:
