@@ -334,10 +334,9 @@ def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tu
     both = np.concatenate([*flat, _padded(others, a.shape[-1] + 1 - others.shape[1])])
     x = _fit(both[:, :-1], both[:, -1])
     residual = b - a @ x
-    n_independent = residual.size * h / correlation_time(residual, h)
-    spread = np.sqrt(
-        np.abs(np.diag(np.linalg.pinv(both[:, :-1].T @ both[:, :-1]))) * np.sum(residual**2) / max(n_independent, 1.0)
-    )
+    n_independent = max(residual.size * h / correlation_time(residual, h), 1.0)
+    gram = both[:, :-1].T @ both[:, :-1]
+    spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(gram))) * np.sum(residual**2) / n_independent)
     jackknife = np.sqrt((BLOCKS - 1) * np.var(_leave_one_out(blocks, range(a.shape[-1]), others), axis=0))
     return x, np.maximum(spread, jackknife)
 
@@ -367,23 +366,23 @@ def detection_limits(
     A column of size x reduces the squared error by x^2 S, with S its part that no other column contains.
     """
     error, limits = float(cross_validation_error(a[..., _nine_and(chosen)], b, others).sum()), []
+    ratio = MIN_ERROR_REDUCTION / (1.0 - MIN_ERROR_REDUCTION)
     for k in candidates:
         columns = a[..., _nine_and([*chosen, k])]
         _, standard_error = fit_with_errors(columns, b, h, others)
         flat = columns.reshape(-1, columns.shape[-1])
         both = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
         alone = flat[:, -1] - flat[:, :-1] @ _fit(both[:, :-1], both[:, -1])
-        ratio = MIN_ERROR_REDUCTION / (1.0 - MIN_ERROR_REDUCTION)
-        square = ratio * error / max(float(alone @ alone), np.finfo(float).tiny)
-        limits.append(max(MIN_Z_SCORE * float(standard_error[-1]), float(np.sqrt(square))))
+        smallest = np.sqrt(ratio * error / max(float(alone @ alone), np.finfo(float).tiny))
+        limits.append(max(MIN_Z_SCORE * float(standard_error[-1]), float(smallest)))
     return limits
 
 
-def _residual(regression: Regression, columns: Array) -> float:
-    """RMS error of least squares with further columns, N m, never zero."""
+def _weight(regression: Regression, columns: Array) -> float:
+    """Weigh a log by its RMS error of least squares with further columns, 1/(N m)."""
     a = np.concatenate([regression.y, columns * regression.mask[..., np.newaxis]], axis=-1)
     error = regression.tau - a @ _fit(a, regression.tau)
-    return float(np.linalg.norm(error) / np.sqrt(max(regression.mask.sum(), 1))) or 1.0
+    return 1.0 / (float(np.linalg.norm(error) / np.sqrt(max(regression.mask.sum(), 1))) or 1.0)
 
 
 def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[ExtraTerm, ...]:
@@ -396,7 +395,7 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     whole = joined(each)
     load = solve(whole.y, whole.tau)
     columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
-    weights = [1.0 / _residual(r, c) for r, c in zip(each, columns, strict=True)] if len(logs) > 1 else [1.0]
+    weights = [_weight(r, c) for r, c in zip(each, columns, strict=True)] if len(logs) > 1 else [1.0]
     r = joined(each, weights)
     a, b = weighted_rows(r, np.concatenate([w * c for w, c in zip(weights, columns, strict=True)], axis=1))
     candidates = [k for k in range(len(TERM_NAMES)) if np.any(a[..., N_NINE + k])]

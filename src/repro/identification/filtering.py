@@ -10,6 +10,7 @@ rebuilt torque. The second is not enough: a controller answers noise with torque
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -29,8 +30,7 @@ Moved = tuple[Array, Array, Array]
 
 #: Samples of a log that is long enough to be shortened to a length that is quickly transformed.
 MIN_SHORTENED_SAMPLES = 4096
-#: Squared coherence of the torque (mean of both joints), and amplitude of the position over its noise (20 dB, of the
-#: better joint), that a frequency needs.
+#: Squared coherence of the torque, of both joints, and amplitude of the position over its noise, of the better joint.
 MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 10.0
 LOWEST_CUTOFF, HIGHEST_CUTOFF = 1.0, 10.0  # range of the cut-off, Hz
 SEGMENT = 3.0  # length of a segment of the spectra, s
@@ -42,10 +42,8 @@ MAX_DELAY, N_DELAYS = 0.02, 11  # largest delay that is searched, s, and number 
 EXPECTED_DELAY = 2.0  # latest delay that a drive is expected to have, sampling periods: any other needs evidence
 MIN_ERROR_REDUCTION = 0.2  # fraction of the squared error by which an effect must reduce it
 BUTTERWORTH_ORDER = 4
-SAVITZKY_GOLAY_DEGREE = 3
-#: Half-power frequency of a cubic Savitzky-Golay window of 2 m + 1 samples times m + 1/2, in half the sampling rate;
-#: to 1 % for m of 8 and more.
-SAVITZKY_GOLAY_HALF_POWER = 1.066
+#: Degree, and half-power frequency of a window of 2 m + 1 samples times m + 1/2, in half the sampling rate, to 1 %.
+SAVITZKY_GOLAY_DEGREE, SAVITZKY_GOLAY_HALF_POWER = 3, 1.066
 
 
 # Zero-phase low-pass filters that differentiate. All take the half-power frequency, so they can be exchanged.
@@ -93,8 +91,7 @@ def butterworth(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     return smooth
 
 
-@dataclass(frozen=True)
-class Filter:
+class Filter(NamedTuple):
     """A zero-phase low-pass; ``apply(x, h, cutoff, order)`` derives x (..., N) `order` times, 0 to 2; s and Hz."""
 
     description: str
@@ -204,21 +201,18 @@ def _piece(log: Log, settings: FilterSettings, even_odd: bool) -> Regression:
 def _filtered_motion(log: Log, settings: FilterSettings) -> tuple[Moved, Array]:
     """Motion and regressor of a log in one piece at the samples that are kept."""
     n, keep = retained_samples(log, settings)
-    moved = smooth_motion(log.q[:, :n], period(log), settings)
-    q, dq, ddq = (x[:, keep] for x in moved)
-    return (q, dq, ddq), filtered_regressor(moved, period(log), settings)[:, keep]
+    q, dq, ddq = smooth_motion(log.q[:, :n], period(log), settings)
+    y = filtered_regressor((q, dq, ddq), period(log), settings)
+    return (q[:, keep], dq[:, keep], ddq[:, keep]), y[:, keep]
 
 
 @kept
 def _filtered_halves(log: Log, settings: FilterSettings) -> Array:
     """`Regression.even_odd` of a log in one piece."""
-    h, halves = period(log), []
-    n, keep = retained_samples(log, settings)
-    for first in (0, 1):
-        every_other = log.q[:, first:n:2]
-        half = filtered_regressor(smooth_motion(every_other, 2 * h, settings), 2 * h, settings)
-        halves.append(_interpolated(half, (keep - first) / 2))
-    return np.stack(halves)
+    (n, keep), h = retained_samples(log, settings), 2 * period(log)
+    moved = [smooth_motion(log.q[:, first:n:2], h, settings) for first in (0, 1)]
+    halves = [filtered_regressor(each, h, settings) for each in moved]
+    return np.stack([_interpolated(half, (keep - first) / 2) for first, half in enumerate(halves)])
 
 
 # Choice of the cut-off.
@@ -266,12 +260,11 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     by_coherence = _first_below(frequency[band], coherence.mean(0)[band], MIN_COHERENCE)
 
     hertz = min(by_noise, by_coherence, highest)
+    reason = f"above {hertz:.3g} Hz the position is less than {MIN_SIGNAL_TO_NOISE:g} times its noise"
     if hertz == highest:
         reason = f"position and torque are good up to {highest:.3g} Hz, the most that is used"
     elif by_coherence <= by_noise:
         reason = f"above {hertz:.3g} Hz Eq. 1 explains less than half of the torque's power"
-    else:
-        reason = f"above {hertz:.3g} Hz the position is less than {MIN_SIGNAL_TO_NOISE:g} times its noise"
     return Cutoff(hertz, reason, frequency, coherence, position, highest)
 
 
@@ -331,9 +324,8 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
     best = int(np.clip(error.argmin(), 1, N_DELAYS - 2))
     near = slice(best - 1, best + 2)
     curve, slope, _ = np.polyfit(delays[near] - delays[best], error[near], 2)
-    if curve <= 0.0:
-        delay, spread = float(delays[error.argmin()]), MAX_DELAY
-    else:
+    delay, spread = float(delays[error.argmin()]), MAX_DELAY
+    if curve > 0.0:
         delay = float(np.clip(delays[best] - slope / (2.0 * curve), -MAX_DELAY, MAX_DELAY))
         # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
         n_independent = residual[best].size * h / correlation_time(residual[best], h)
@@ -341,7 +333,6 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
     expected = float(np.clip(delay, 0.0, min(EXPECTED_DELAY * period(log), MAX_DELAY)))
     if error.min() > (1.0 - MIN_ERROR_REDUCTION) * np.interp(expected, delays, error):
         return expected, min(float(np.hypot(spread, delay - expected)), MAX_DELAY)
-    # If the best delay is beyond the range, nothing is known of it.
     return delay, MAX_DELAY if abs(delay) >= MAX_DELAY else min(spread, MAX_DELAY)
 
 
@@ -349,10 +340,9 @@ def _delayed(log: Log, settings: FilterSettings, delays: Array, columns: Array) 
     """Give regressor and columns of a piece of a log, its torque by delay (len(delays), 2, n), and the period."""
     settings = replace(settings, delay=0.0)
     plain = prepare(log, settings, even_odd=False)
-    t = plain.t
-    inside = slice(*np.searchsorted(t, [t[0] + MAX_DELAY, t[-1] - MAX_DELAY]))
+    inside = slice(*np.searchsorted(plain.t, [plain.t[0] + MAX_DELAY, plain.t[-1] - MAX_DELAY]))
     n, every = retained_samples(log, replace(settings, samples_per_cycle=np.inf))
     torque_at = CubicSpline(log.t[every], filtered_torque(log.tau[:, :n], period(log), settings)[:, every], axis=-1)
-    torque = np.stack([torque_at(t[inside] - delay) for delay in delays])
+    torque = np.stack([torque_at(plain.t[inside] - delay) for delay in delays])
     y = np.concatenate([plain.y, columns * plain.mask[..., np.newaxis]], axis=-1)
     return y[:, inside], torque * plain.mask[:, inside], plain.h

@@ -80,8 +80,7 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
     windows; the error is the median of their RMS. It is None where M(q) is not positive definite or nearly singular,
     or the model diverges in half of the windows.
     """
-    h = period(log)
-    steps = np.array([_steps_per_sample(b, h, settings.friction_steepness) for b in betas])
+    steps = np.array([_steps_per_sample(b, period(log), settings.friction_steepness) for b in betas])
     feasible = steps <= MAX_STEPS_PER_SAMPLE
     errors = np.full((len(betas), 2), np.inf)
     if feasible.any():
@@ -101,16 +100,14 @@ def integrate(
         raise ValueError("t: instants must increase.")
     if not (np.isfinite(t).all() and np.isfinite([x, v]).all()):
         raise ValueError("t, q0, dq0: every value must be finite.")
-    longest = float(np.diff(t).max(initial=0.0))
-    steps = _steps_per_sample(beta, longest, friction_steepness)
-    if not np.isfinite(steps):
+    needed = _steps_per_sample(beta, float(np.diff(t).max(initial=0.0)), friction_steepness)
+    if not np.isfinite(needed):
         raise ValueError("beta: the inertia matrix is not positive definite in every pose.")
-    states = [(x, v)]
+    states, steps = [(x, v)], int(needed)
     for k, span in enumerate(np.diff(t)):
-        h = span / int(steps)
-        for step in range(int(steps)):
-            middle = tau[:, k] + (step + 0.5) / int(steps) * (tau[:, k + 1] - tau[:, k])
-            x, v = _runge_kutta(x, v, middle, beta, h, friction_steepness)
+        for step in range(steps):
+            middle = tau[:, k] + (step + 0.5) / steps * (tau[:, k + 1] - tau[:, k])
+            x, v = _runge_kutta(x, v, middle, beta, span / steps, friction_steepness)
         states.append((x, v))
     q, dq = (np.stack(signal, axis=-1) for signal in zip(*states, strict=True))
     return q, dq

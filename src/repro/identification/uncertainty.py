@@ -161,12 +161,9 @@ def perturbations(logs: Sequence[WeightedLog], plain: Regression, delay_error: f
     results = {"filters": Perturbation(tuple(join_filtered(logs, *factors) for factors in FILTER_FACTORS))}
     if delay_error > 0.0:
         results["delay"] = Perturbation(tuple(join_filtered(logs, later=by) for by in (-delay_error, delay_error)))
-    # A rectangular distribution, as of an unmodelled effect.
     steeper = tuple(join_filtered(logs, steeper=factor) for factor in STEEPNESS_FACTORS)
-    results["lambda"] = Perturbation(steeper, 1.0 / 3.0)
-    results |= unmodelled_effects(logs, plain, plain)
-    results[SIMEX] = Perturbation((simex(plain),))
-    return results
+    results["lambda"] = Perturbation(steeper, 1.0 / 3.0)  # a rectangular distribution, as of an unmodelled effect
+    return results | unmodelled_effects(logs, plain, plain) | {SIMEX: Perturbation((simex(plain),))}
 
 
 def type_b_variance(
@@ -224,9 +221,8 @@ class Uncertainty:
 
 def block_length(error: Array, h: float) -> int:
     """Samples in a block, from the residuals (2, n) of a fit."""
-    n = error.shape[-1]
     length = round(CORRELATION_TIMES_PER_BLOCK * correlation_time(error, h) / h)
-    return int(np.clip(length, 1, max(n // MIN_BLOCKS, 1)))
+    return int(np.clip(length, 1, max(error.shape[-1] // MIN_BLOCKS, 1)))
 
 
 def resample(n: int, length: int, rng: np.random.Generator) -> NDArray[np.intp]:

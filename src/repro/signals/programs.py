@@ -13,13 +13,7 @@ from repro.errors import InputError
 from repro.model.dynamics import ArmGeometry, inverse_dynamics
 from repro.model.parameters import Array
 from repro.signals.trajectories import Motion, identification_trajectory, quintic
-from repro.signals.validation_motions import (
-    RangeOf,
-    circle_motion,
-    profile_motion,
-    random_motion,
-    sinusoidal_motion,
-)
+from repro.signals.validation_motions import RangeOf, circle_motion, profile_motion, random_motion, sinusoidal_motion
 
 #: Torque of each joint, N m, and joint speed, rad/s, that a motion may need at most.
 Limits = tuple[tuple[float, float], float]
@@ -55,8 +49,7 @@ class TrajectorySettings:
     margin: int = 40  # samples of Eq. 10 before and after the trajectory proper, which take the filter's edges
     lead_in: float = 0.75  # time to bring the hanging arm onto Eq. 10, s
     validation_samples: int = MEMORY_SAMPLES  # length of T1-T4
-    # DCT-II band at which the filter of T1 has a gain of 1/e: with 12, and the range that of the motion, least squares
-    # scores on T1 what the paper prints for it, to 1 point
+    # DCT-II band at which the filter of T1 has a gain of 1/e: least squares scores what the paper prints, to 1 point
     t1_bands: float = 12.0
     t1_limit: float = 1.2  # range of T1, -t1_limit to t1_limit, rad
     t1_range_of: RangeOf = "motion"  # what has that range, see `random_motion`
@@ -64,14 +57,12 @@ class TrajectorySettings:
 
 def identification_reference(settings: TrajectorySettings) -> ReferenceTrajectory:
     """Build ID: lead-in, margin, trajectory of Eq. 10, margin."""
-    h, margin = settings.h, settings.margin
+    h, margin, n = settings.h, settings.margin, round(settings.lead_in / settings.h)
     motion = identification_trajectory(settings.duration, h, margin)
-    n = round(settings.lead_in / h)
     state = np.stack([motion.q[:, 0], motion.dq[:, 0], motion.ddq[:, 0]])  # one sample after the lead-in from rest
     lead = quintic(h * np.arange(n, dtype=np.float64), n * h, np.zeros((3, 2)), state)
-    n1 = n + margin
     q = np.concatenate([lead, motion.q], axis=1)
-    return ReferenceTrajectory("ID", q, n1, q.shape[1] - margin, h)
+    return ReferenceTrajectory("ID", q, n + margin, q.shape[1] - margin, h)
 
 
 @dataclass(frozen=True)
