@@ -7,6 +7,7 @@ rank only combinations of parameters are determined; pivoted QR finds independen
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
 from repro.identification.regression import Regression, unit_columns, without_known
@@ -25,9 +26,7 @@ class Identifiability:
 
     rank: int  # number of base parameters
     condition: float  # largest over smallest singular value of the columns that are not zero
-    #: Correlation of the least-squares estimates of viscous and Coulomb friction of each joint; 0 where one of them is
-    #: not excited.
-    friction_correlation: tuple[float, float]
+    friction_correlation: tuple[float, float]  # of the estimates of b and k of each joint; 0 if one is not excited
     determined: tuple[bool, ...]  # whether each parameter is determined by itself, not in a combination alone (9)
     base_parameters: tuple[str, ...]  # combinations that are determined
 
@@ -56,23 +55,16 @@ def excitation(regression: Regression) -> Identifiability:
         float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j])) if {i, j} <= {*moved} else 0.0
         for i, j in ((5, 7), (6, 8))
     )
-    return Identifiability(
-        rank + int(known.sum()),
-        condition,
-        (first, second),
-        tuple(((projection > 1.0 - MIN_COEFFICIENT) | known).tolist()),
-        (*_combinations(a[:, moved], scale, moved, rank), *(name for name, k in zip(NAMES, known, strict=True) if k)),
-    )
+    determined = tuple(((projection > 1.0 - MIN_COEFFICIENT) | known).tolist())
+    base = (*_combinations(a, scale, moved, rank), *(NAMES[k] for k in np.flatnonzero(known)))
+    return Identifiability(rank + int(known.sum()), condition, (first, second), determined, base)
 
 
-def _combinations(
-    a: Array, scale: Array, moved: np.ndarray[tuple[int], np.dtype[np.intp]], rank: int
-) -> tuple[str, ...]:
+def _combinations(a: Array, scale: Array, moved: NDArray[np.intp], rank: int) -> tuple[str, ...]:
     """Base parameters as text: each independent parameter with those whose columns contain its own."""
-    r, order = qr(a, mode="r", pivoting=True)
-    names = [NAMES[k] for k in moved[order]]
+    r, order = qr(a[:, moved], mode="r", pivoting=True)
+    names, size = [NAMES[k] for k in moved[order]], scale[moved[order]]
     # Columns D = P K of unit length; beta_P s_P + K beta_D s_D is determined, per unit of beta_P.
-    size = scale[moved[order]]
     mix = solve_triangular(r[:rank, :rank], r[:rank, rank:])
     ratio = mix * size[rank:] / size[:rank, None]
     lines = []

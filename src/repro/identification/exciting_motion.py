@@ -30,7 +30,6 @@ _NOTHING = -300.0  # log-determinant, with columns of unit length, of a motion w
 _PACES = 16  # paces at which Eq. 10 is tried
 _NORMAL_95 = 1.959964  # 95 % of a normal distribution lie within so many standard deviations
 MAX_UTILISATION = 0.999  # fraction of each limit that is used, so that nothing between two samples exceeds it
-_HALVINGS = 30
 _MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
 _MAX_START = 0.9  # fraction of the way from the middle of a range to its end within which a motion may begin
 
@@ -91,7 +90,7 @@ class Envelope:
         """Find the factors (..., 1, 1) by which shapes about a centre (2,) reach a limit."""
         high = 1.0 / np.abs(shape[1] / np.array(self.arm.speed_limit)[:, None]).max(axis=(-2, -1), keepdims=True)
         low = np.zeros_like(high)
-        for _ in range(_HALVINGS):
+        for _ in range(30):  # by halves
             factor = 0.5 * (low + high)
             q, dq, ddq = (factor * x for x in shape)
             used = np.abs(self.utilisation((centre[:, None] + q, dq, ddq))).max(axis=(-2, -1), keepdims=True)

@@ -78,10 +78,8 @@ class Method:
     claims_intervals: bool = True  # whether it is repeated for standard errors and intervals
     needs_all_samples: bool = False  # whether it needs the log as signals, including samples of standstill
     needs_even_odd: bool = False  # whether it uses `Regression.even_odd`, which is twice as large as the regressor
-    #: ``refit(regression, choice)`` computes beta with `Estimate.choice` kept, for a method that chooses.
-    refit: Callable[[Regression, float], Array] | None = None
-    #: For a method that is biased on purpose: its unbiased form. Their difference enters the standard error.
-    unbiased: Callable[[Regression], Estimate] | None = None
+    refit: Callable[[Regression, float], Array] | None = None  # for a method that chooses: beta with a kept choice
+    unbiased: Callable[[Regression], Estimate] | None = None  # of a method that is biased on purpose
 
     def repeat(self, regression: Regression, first: Estimate) -> Array:
         """Apply the method to a replicate, with the choice of the first estimate; returns (9,)."""

@@ -73,9 +73,7 @@ class Regression:
     ddq: Array
     mask: NDArray[np.bool_]  # rows that count (2, n); the others are zero on both sides
     h: float  # time between samples, s
-    #: The regressor (2, 2, n, 9) from the odd and from the even samples of the position alone, where it was made. Their
-    #: noise is independent if that of the samples is.
-    even_odd: Array | None = None
+    even_odd: Array | None = None  # the regressor (2, 2, n, 9) from every other sample: with independent noise
     prior: Prior | None = None  # of the parameters
 
     @property
@@ -172,10 +170,9 @@ def residual_autocorrelation(regression: Regression, beta: Array, cutoff: float)
     lag = max(round(1.0 / (cutoff * regression.h)), 1)
     if lag >= error.shape[-1]:
         return 0.0, 0.0
-    energy = np.sum(error**2, axis=-1)
-    product = np.sum(error[:, lag:] * error[:, :-lag], axis=-1)
-    first, second = np.divide(product, energy, out=np.zeros(2), where=energy > 0.0)
-    return float(first), float(second)
+    energy, product = np.sum(error**2, axis=-1), np.sum(error[:, lag:] * error[:, :-lag], axis=-1)
+    first, second = np.divide(product, energy, out=np.zeros(2), where=energy > 0.0).tolist()
+    return first, second
 
 
 # Least squares of a regression that may not excite every parameter, by its normal equations. Columns of unit length

@@ -36,8 +36,8 @@ def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
     """Compute the RMS torque error of each joint over the RMS torque, or of a freely falling joint over its parts."""
     error = _rms(regression.tau - regression.y @ beta)
     whole = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
-    first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0)
-    return float(first), float(second)
+    first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0).tolist()
+    return first, second
 
 
 def unexplained(regression: Regression, parameters: slice = slice(None)) -> Array:
@@ -66,11 +66,11 @@ def _rms_of_parts(regression: Regression, beta: Array) -> Array:
 
 def similarity(regression: Regression, beta: Array) -> tuple[float, float]:
     """Total of ``metr2ev`` with the energy ratio of each joint, fractions of 1; 0 where a joint has no torque."""
-    totals = [
+    first, second = (
         float(metr2ev(tau, rebuilt, UNIT_FREE_METRIC).total) if np.any(tau) else 0.0
         for tau, rebuilt in zip(regression.tau, regression.y @ beta, strict=True)
-    ]
-    return totals[0], totals[1]
+    )
+    return first, second
 
 
 def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tuple[float, float] | None]:
@@ -126,17 +126,15 @@ def _steps_per_sample(beta: Array, h: float, steepness: float) -> float:
 def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> Array:
     """Median over the windows of the RMS position error, shape (m, 2); all of them are simulated in parallel."""
     h = period(log)
-    margin = max(round(settings.cut / h), 1)
+    margin, length = max(round(settings.cut / h), 1), max(round(WINDOW / h), 1)
     moved = [smooth_motion(piece.q, h, settings) for piece in log.pieces]
     q, dq, _ = (np.concatenate(signal, axis=1) for signal in zip(*moved, strict=True))
-    length = max(round(WINDOW / h), 1)
     edges = pairwise((0, *log.breaks, log.t.size))
     starts = np.concatenate([np.arange(begin + margin, end - margin - length, length) for begin, end in edges])
     if not starts.size:
         return np.full((len(betas), 2), np.nan)
     starts = starts[np.linspace(0, starts.size - 1, min(starts.size, MAX_WINDOWS)).astype(int)]
-    parameters = betas[:, None, :]
-    shape = (len(betas), starts.size, 2)
+    parameters, shape = betas[:, None, :], (len(betas), starts.size, 2)
     x, v = (np.broadcast_to(s[:, starts].T, shape).copy() for s in (q, dq))
     squares = np.zeros(shape)
     with np.errstate(over="ignore", invalid="ignore"):

@@ -6,6 +6,7 @@ The board calls a reference trajectory a program: the identification run of Eq. 
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -65,8 +66,7 @@ def identification_reference(settings: TrajectorySettings) -> ReferenceTrajector
     return ReferenceTrajectory("ID", q, n + margin, q.shape[1] - margin, h)
 
 
-@dataclass(frozen=True)
-class ValidationMotion:
+class ValidationMotion(NamedTuple):
     """A validation motion: the function that samples it, whether it is drawn at random, whether the paper has it."""
 
     make: Callable[[TrajectorySettings, np.random.Generator], Motion]

@@ -16,18 +16,14 @@ from repro.signals.trajectories import Motion, quintic, sample_times, sampled_mo
 #: What has the range of T1 that Section VI gives: each joint's filtered motion, or the numbers before the filter.
 RangeOf = Literal["motion", "numbers"]
 
-# T2: turns, and distance of the centre over the reach. At 0.8 straight below joint 1 the circle stays
-# between 0.7 and 0.9 of the reach: joint 2 bends by 50 to 90 degrees, far from straight and from folded, and gravity
-# is not at its largest.
-CIRCLE_TURNS = 5
-CIRCLE_CENTRE = 0.8
-CIRCLE_RADIUS = 0.1  # 3.15 cm of 31.5 cm
+# T2: turns, distance of the centre below joint 1 over the reach, and radius over the reach (3.15 cm of 31.5 cm). Joint
+# 2 bends by 50 to 90 degrees, far from straight and from folded, and gravity is not at its largest.
+CIRCLE_TURNS, CIRCLE_CENTRE, CIRCLE_RADIUS = 5, 0.8, 0.1
 
 # T3: levels that the moves end at (rad), over the range of T1 and Eq. 10: both joints, each alone, both again.
 # A move takes 12 % and a hold 5 % of the time, 2.46 s and 1.02 s; the remaining time is rest at either end.
 PROFILE_LEVELS = np.array([[1.2, 1.2, -0.6, -1.2, 0.6, 0.0], [-0.8, 1.2, 1.2, -0.4, -1.2, 0.0]])
-PROFILE_MOVE = 0.12
-PROFILE_HOLD = 0.05
+PROFILE_MOVE, PROFILE_HOLD = 0.12, 0.05
 
 # T4: one sinusoid a joint. 0.4 and 0.25 Hz have no short common period, so the joints meet in many phases.
 SINE_AMPLITUDE = np.array([[1.0], [1.0]])  # rad
@@ -63,16 +59,12 @@ def circle_motion(geometry: ArmGeometry, samples: int, h: float) -> Motion:
 
 def profile_motion(samples: int, h: float) -> Motion:
     """Compute T3: quintic moves from rest to rest, with a hold after each; at rest at q = 0 at both ends."""
-    time = sample_times(samples * h, h)
-    total = samples * h
-    moves = PROFILE_LEVELS.shape[1]
+    time, total, moves = sample_times(samples * h, h), samples * h, PROFILE_LEVELS.shape[1]
     rest = 0.5 * (1.0 - moves * PROFILE_MOVE - (moves - 1) * PROFILE_HOLD)
     levels = np.concatenate([np.zeros((2, 1)), PROFILE_LEVELS], axis=1)
-    still = np.zeros((2, 2))
-    q = np.zeros((2, time.size))
+    q, still, duration = np.zeros((2, time.size)), np.zeros((2, 2)), PROFILE_MOVE * total
     for k in range(moves):
         since = time - (rest + k * (PROFILE_MOVE + PROFILE_HOLD)) * total
-        duration = PROFILE_MOVE * total
         move = (since >= 0.0) & (since < duration)
         start, end = np.vstack([levels[:, k], still]), np.vstack([levels[:, k + 1], still])
         q[:, move] = quintic(since[move], duration, start, end)
