@@ -9,7 +9,7 @@ import pytest
 
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
-from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings, refine, restart, uniform_guesses
+from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings, uniform_guesses
 from repro.identification.algorithm1.search import SearchSettings, select
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import FEASIBILITY
@@ -31,10 +31,10 @@ def towards_truth(share=0.5):
 
 
 def refined(estimator, beta_m, restarts=7, passes=3, search=SEARCH, seed=0, keep=100, feed_back=True, **moves):
-    settings = RefinementSettings(restarts, keep, passes, **moves)
-    rng = np.random.default_rng(seed)
-    candidates = restart(estimator, beta_m, search, settings, rng)
-    return refine(estimator if feed_back else None, candidates, PREPARED, search, settings, rng)
+    settings, rng = RefinementSettings(restarts, keep, passes, **moves), np.random.default_rng(seed)
+    algorithm1 = Algorithm1("published", None, ImageSettings(), search, settings)
+    candidates = algorithm1.restart(estimator, beta_m, rng)
+    return algorithm1.refine(estimator if feed_back else None, candidates, PREPARED, rng)
 
 
 def similarity(beta):
@@ -79,11 +79,12 @@ def test_selection_alone_finds_a_badly_conditioned_arm():
     arm = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
     tau = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, arm)
     prepared = prepare(filtered(MOTION.q, tau, SIGNALS), np.ones_like(tau), SIGNALS)
+    algorithm1 = Algorithm1("published", None, ImageSettings(), SEARCH, RefinementSettings(restarts=0))
     before, after = [], []
     for seed in range(5):
         rng = np.random.default_rng(seed)
         beta_m = rng.uniform(1e-3, 1.0, (500, 9))
-        found = refine(None, beta_m, prepared, SEARCH, RefinementSettings(restarts=0), rng)
+        found = algorithm1.refine(None, beta_m, prepared, rng)
         before.append(select(beta_m, prepared, SEARCH).similarity)
         after.append(select(found, prepared, SEARCH).similarity)
     assert max(before) < 0.9

@@ -41,55 +41,10 @@ class RefinementSettings:
     starts: int = 1  # independent runs that are pooled: on a short log three of ten end in a local optimum
 
 
-def restart(
-    estimator: ResidualEstimator,
-    beta_m: Array,
-    search: SearchSettings,
-    settings: RefinementSettings,
-    rng: np.random.Generator,
-) -> Array:
-    """Collect what is refined: `beta_m` (n, 9) and the possible ones of the network's estimates of fresh guesses."""
-    possible = FEASIBILITY[search.feasibility]
-    fresh = estimator.estimate(rng.uniform(search.low, search.high, (settings.restarts, 9)))
-    candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
-    if len(candidates):
-        return candidates
-    raised = np.maximum(fresh, search.low)
-    return raised[possible(raised)]
-
-
 def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
     """Draw the candidates (n, 9) of the control without a network: as many guesses as Algorithm 1 evaluates at most."""
     guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
     return guesses[FEASIBILITY[search.feasibility](guesses)]
-
-
-def refine(
-    estimator: ResidualEstimator | None,
-    candidates: Array,
-    signals: PreparedSignals,
-    search: SearchSettings,
-    settings: RefinementSettings,
-    rng: np.random.Generator,
-) -> Array:
-    """Move the best of the candidates (m, 9) pass by pass, by a control without estimator; most similar come first."""
-    if not len(candidates):
-        return candidates
-    possible = FEASIBILITY[search.feasibility]
-    score = TorqueScorer(signals.regression.tau / signals.torque_scale, signals.regression.y, search.metric)
-
-    def survivors(old: Array, similarity: Array, new: Array) -> tuple[Array, Array]:
-        beta, similarity = np.concatenate([old, new]), np.concatenate([similarity, score(new).total.mean(-1)])
-        order = np.argsort(-similarity, kind="stable")[: settings.keep]
-        return beta[order], similarity[order]
-
-    best, similarity = survivors(candidates[:0], np.empty(0), candidates)
-    for done in range(settings.passes):
-        beta = _move(best, settings, search.low, rng)
-        if estimator is not None and done < settings.read_passes:
-            beta = np.concatenate([beta, estimator.estimate(beta)])
-        best, similarity = survivors(best, similarity, beta[possible(beta)])
-    return best
 
 
 def _move(best: Array, settings: RefinementSettings, low: float, rng: np.random.Generator) -> Array:
@@ -115,6 +70,38 @@ class Algorithm1:
         """The same without refinement."""
         return replace(self, refinement=replace(self.refinement, passes=0))
 
+    def restart(self, estimator: ResidualEstimator, beta_m: Array, rng: np.random.Generator) -> Array:
+        """Collect what is refined: `beta_m` (n, 9) and the possible estimates of fresh guesses."""
+        low, possible = self.search.low, FEASIBILITY[self.search.feasibility]
+        fresh = estimator.estimate(rng.uniform(low, self.search.high, (self.refinement.restarts, 9)))
+        candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
+        if len(candidates):
+            return candidates
+        raised = np.maximum(fresh, low)
+        return raised[possible(raised)]
+
+    def refine(
+        self, estimator: ResidualEstimator | None, candidates: Array, signals: PreparedSignals, rng: np.random.Generator
+    ) -> Array:
+        """Move the best candidates (m, 9) pass by pass, by a control without estimator; most similar come first."""
+        if not len(candidates):
+            return candidates
+        settings, possible = self.refinement, FEASIBILITY[self.search.feasibility]
+        score = TorqueScorer(signals.regression.tau / signals.torque_scale, signals.regression.y, self.search.metric)
+
+        def survivors(old: Array, similarity: Array, new: Array) -> tuple[Array, Array]:
+            beta, similarity = np.concatenate([old, new]), np.concatenate([similarity, score(new).total.mean(-1)])
+            order = np.argsort(-similarity, kind="stable")[: settings.keep]
+            return beta[order], similarity[order]
+
+        best, similarity = survivors(candidates[:0], np.empty(0), candidates)
+        for done in range(settings.passes):
+            beta = _move(best, settings, self.search.low, rng)
+            if estimator is not None and done < settings.read_passes:
+                beta = np.concatenate([beta, estimator.estimate(beta)])
+            best, similarity = survivors(best, similarity, beta[possible(beta)])
+        return best
+
     def run(
         self,
         signals: PreparedSignals,
@@ -139,10 +126,10 @@ class Algorithm1:
             """Select the most similar set of all runs; `rng` is left unchanged: refinement and control move alike."""
             first = deepcopy(rng)
             moves = [first, *first.spawn(self.refinement.starts - 1)]
-            best = [refine(feedback, starts, signals, self.search, self.refinement, each) for each in moves]
+            best = [self.refine(feedback, starts, signals, each) for each in moves]
             return select(np.concatenate(best), signals, self.search)
 
-        starts = restart(estimator, candidates.beta, self.search, self.refinement, refine_rng)
+        starts = self.restart(estimator, candidates.beta, refine_rng)
         # The control runs first, so that the number of images is its own.
         for method, feedback in (("local-search", None), ("refinement", estimator)):
             chosen = refined(feedback, starts, refine_rng)
