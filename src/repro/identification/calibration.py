@@ -19,8 +19,8 @@ from repro.identification.extra_terms import (
     detection_limits,
     fit_with_errors,
     offset,
+    one_joint,
     other_rows,
-    scale,
     term_columns,
     term_names,
     weighted_rows,
@@ -41,7 +41,7 @@ MAX_SCALE = 3.0
 CALIBRATION: dict[str, Kind] = {
     "zero": Kind(zero_position, max_step=0.1),
     "offset": Kind(offset),
-    "scale": Kind(scale, neutral=1.0, max_step=0.3),
+    "scale": Kind(lambda log: one_joint(log.y @ log.beta), neutral=1.0, max_step=0.3),
 }
 OTHER_SCALE, SCALE = "scale1", "scale2"  # torque constants belong to the arm rather than to a log
 CALIBRATION_TERMS = term_names(CALIBRATION)

@@ -103,11 +103,6 @@ def zero_position(log: SmoothLog) -> Array:
     return position_error(log, np.ones_like(log.tau))
 
 
-def scale(log: SmoothLog) -> Array:
-    """Compute the change of the torque of each joint with its torque constant, shape (2, N, 2)."""
-    return one_joint(log.y @ log.beta)
-
-
 def rotor_inertia(log: SmoothLog) -> Array:
     """Compute the torque of a rotor of unit inertia that turns with joint 2 alone, shape (2, N, 1)."""
     return one_joint(log.moved[2])[..., 1:]
@@ -139,16 +134,6 @@ def twice_a_turn(log: SmoothLog) -> Array:
     return np.concatenate([one_joint(wave(2.0 * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
 
 
-def torque_constant(log: SmoothLog) -> Array:
-    """Compute the torque that a constant in proportion to the current adds to the recorded one, shape (2, N, 2)."""
-    return one_joint(log.tau * np.abs(log.tau))
-
-
-def elasticity(log: SmoothLog) -> Array:
-    """Compute the effect of a gear that yields in proportion to its load, behind the encoder, shape (2, N, 2)."""
-    return position_error(log, log.gear_load)
-
-
 def backlash(log: SmoothLog, width: float) -> Array:
     """Compute the effect of play behind the encoder (2, N, 2): teeth change sides below `width` of the largest load."""
     largest = np.abs(log.gear_load).max(axis=-1, keepdims=True)
@@ -168,8 +153,8 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     "torque of period one turn": (once_a_turn,),
     "torque of period half a turn": (twice_a_turn,),
     "inertia of the rotor of joint 2": (rotor_inertia,),
-    CONSTANTS: (torque_constant,),
-    "elasticity": (elasticity,),
+    CONSTANTS: (lambda log: one_joint(log.tau * np.abs(log.tau)),),
+    "elasticity": (lambda log: position_error(log, log.gear_load),),
     "backlash": tuple(partial(backlash, width=width) for width in (0.02, 0.05, 0.15)),
 }
 OF_A_LOG = (ZEROS, OFFSETS)  # effects that differ from log to log of one arm
