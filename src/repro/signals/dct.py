@@ -158,4 +158,4 @@ def image_regressor(
     motion = np.stack([dct2sub(x, settings.samples) for x in (q, dq, ddq)])
     if settings.normalise_motion:
         motion = motion / np.abs(motion).max(-1, keepdims=True)
-    return regressor(*motion, friction_steepness)
+    return regressor(motion[0], motion[1], motion[2], friction_steepness)
