@@ -104,10 +104,8 @@ def test_eigenvalue_bounds_hold_everywhere_and_are_reached(beta, seed):
 
 
 @given(beta=feasible_betas())
-def test_conditions_are_what_their_numbers_say(beta):
+def test_dissipation_is_above_the_coupling_where_r1_is_positive_definite(beta):
     ours = stability_constants(beta)
-    assert ours.conditions["energy"] == (ours.energy > 0)
-    assert ours.conditions["dissipation"] == (ours.dissipation > ours.coupling)
     # R1 is positive definite just when its determinant is, the difference of the third condition's two sides.
     assert ours.conditions["dissipation"] == (ours.r1_min > 0) or abs(ours.dissipation / ours.coupling - 1) < 1e-9
 
