@@ -1,7 +1,7 @@
 """Check a configuration: its values against `repro.config_model`, and against each other."""
 
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -51,30 +51,29 @@ def _at(node: Any, place: Place) -> object:  # noqa: ANN401
     return node
 
 
-def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
+def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Find values that contradict each other: their places, the one to name first, and what is expected."""
-    for low, high in (
-        (("data", "guess_low"), ("data", "guess_high")),
-        (("data", "near_low"), ("data", "near_high")),
-        (("algorithm1", "guess_low"), ("algorithm1", "guess_high")),
-    ):
-        a, b = config[low[0]][low[1]], config[high[0]][high[1]]
+    for section, name in (("data", "guess"), ("data", "near"), ("algorithm1", "guess")):
+        low, high = f"{section}.{name}_low", f"{section}.{name}_high"
+        a, b = config[section][f"{name}_low"], config[section][f"{name}_high"]
         if not a < b:
-            yield (low, high), f"{spelled(low)} ({a}) below {spelled(high)} ({b})"
+            yield f"{low} {high}", f"{low} ({a}) below {high} ({b})"
     data, signals, paper = config["data"], config["signals"], config["training"]["paper"]
     if data["exact_share"] + data["near_share"] > 1:
-        yield (("data", "exact_share"), ("data", "near_share")), "two shares that add up to 1 at most"
+        yield "data.exact_share data.near_share", "two shares that add up to 1 at most"
     if round(signals["duration_s"] / signals["sampling_period_s"]) <= signals["image_samples"]:
         expected = f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
-        yield (("signals", "duration_s"), ("signals", "sampling_period_s")), expected
+        yield "signals.duration_s signals.sampling_period_s", expected
     yield from _folder_contradictions(config)
     yield from _experiment_contradictions(config)
     if not 1 <= round(paper["train_share"] * paper["images"]) < paper["images"]:
-        places = (("training", "paper", "images"), ("training", "paper", "train_share"))
-        yield places, "at least one image to train with and one to test with"
+        yield (
+            "training.paper.images training.paper.train_share",
+            "at least one image to train with and one to test with",
+        )
 
 
-def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
+def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Refuse folders that a run would spoil, by their own names and by where links lead."""
     project = Path.cwd().resolve()
     for key, usual in (("results", "results/mine"), ("figures", "paper_figures/mine")):
@@ -85,15 +84,15 @@ def _folder_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence
         elif folder is None or not _is_elsewhere(named, folder, project):
             tops.append(".")
         if any(top.startswith(".") or top.lower() in _OWN or Path(top).is_file() for top in tops):
-            yield ((key,),), f"a folder that holds nothing of the project, such as {usual}"
+            yield key, f"a folder that holds nothing of the project, such as {usual}"
     if _resolved(config["results"]) == _resolved(config["figures"]):
-        yield (("results",), ("figures",)), "two folders"
-    for place, made in ((("experiment", "captures"), "experiment"), (("training", "networks"), "model")):
-        folder = _resolved(config[place[0]][place[1]])
+        yield "results figures", "two folders"
+    for section, key, made in (("experiment", "captures", "experiment"), ("training", "networks", "model")):
+        folder = _resolved(config[section][key])
         if folder is None:
-            yield (place,), "a folder, and no link that leads back to itself"
+            yield f"{section}.{key}", "a folder, and no link that leads back to itself"
         elif folder == _resolved(f"{config['results']}/{made}"):  # a job's outputs are deleted before it reads
-            yield (place, ("results",)), "a folder that the run does not write to"
+            yield f"{section}.{key} results", "a folder that the run does not write to"
 
 
 def _is_elsewhere(named: Path, folder: Path, project: Path) -> bool:
@@ -112,44 +111,40 @@ def _resolved(folder: str) -> Path | None:
         return None
 
 
-def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[Sequence[Place], str]]:
+def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Find motions that the board cannot run and an arm that cannot be built."""
-    signals, experiment = config["signals"], config["experiment"]
+    signals, experiment, arm, board = (config[name] for name in ("signals", "experiment", "arm", "board"))
     h = signals["sampling_period_s"]
     if h != SAMPLING_PERIOD:
-        yield (("signals", "sampling_period_s"),), f"{SAMPLING_PERIOD} s, the board's clock"
-    edges = round(experiment["lead_in_s"] / h) + 2 * experiment["margin_samples"]
-    if not 1 <= round(experiment["lead_in_s"] / h) <= edges < MEMORY_SAMPLES:
+        yield "signals.sampling_period_s", f"{SAMPLING_PERIOD} s, the board's clock"
+    lead_in, edges_at = round(experiment["lead_in_s"] / h), "experiment.lead_in_s experiment.margin_samples"
+    edges = lead_in + 2 * experiment["margin_samples"]
+    if not 1 <= lead_in <= edges < MEMORY_SAMPLES:
         expected = f"at least one sampling period ({h} s) of lead-in, with both margins below {MEMORY_SAMPLES * h:g} s"
-        yield (("experiment", "lead_in_s"), ("experiment", "margin_samples")), expected
-    durations: list[tuple[Place, float]] = [(("signals", "duration_s"), signals["duration_s"])]
-    durations += [(("spread", "durations_s", k), d) for k, d in enumerate(config["spread"]["durations_s"])]
-    for place, duration in durations:
+        yield edges_at, expected
+    durations = {f"spread.durations_s.{k}": duration for k, duration in enumerate(config["spread"]["durations_s"])}
+    for place, duration in ({"signals.duration_s": signals["duration_s"]} | durations).items():
         if round(duration / h) + edges > MEMORY_SAMPLES:
-            longest = (MEMORY_SAMPLES - edges) * h
-            others = (("experiment", "lead_in_s"), ("experiment", "margin_samples"))
-            expected = f"a motion that the board's memory holds, {longest:g} s with this lead-in and margin"
-            yield (place, *others), expected
+            longest = f"{(MEMORY_SAMPLES - edges) * h:g} s with this lead-in and margin"
+            yield f"{place} {edges_at}", f"a motion that the board's memory holds, {longest}"
         elif round(duration / h) <= signals["image_samples"]:
-            yield (place,), f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
+            yield place, f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
     levels, arms = config["coverage"]["levels"], config["coverage"]["arms"]
     if sorted(set(levels)) != levels or levels[-1] > arms / (arms + 1):
         expected = f"rising shares that {arms} arms can calibrate, {arms / (arms + 1):.4g} at most"
-        yield (("coverage", "levels"), ("coverage", "arms")), expected
-    spread = config["spread"]
-    if len(spread["seeds"]) % spread["arms"]:
-        yield (("spread", "arms"), ("spread", "seeds")), "as many specimens of every arm"
-    first, second = config["arm"]["link_lengths_m"]
+        yield "coverage.levels coverage.arms", expected
+    if len(config["spread"]["seeds"]) % config["spread"]["arms"]:
+        yield "spread.arms spread.seeds", "as many specimens of every arm"
+    first, second = arm["link_lengths_m"]
     if abs(first - second) > NEAREST * (first + second):
-        yield (("arm", "link_lengths_m"),), "links of which the shorter one reaches the circle of T2"
-    board = config["board"]
+        yield "arm.link_lengths_m", "links of which the shorter one reaches the circle of T2"
     for gain in ("kp_nm_per_rad", "kv_nm_per_rad"):
         if max(g * PWM_LIMIT / t for g, t in zip(board[gain], board["full_torque_nm"], strict=True)) > LARGEST:
-            yield (("board", gain),), "gains that single precision holds"
+            yield f"board.{gain}", "gains that single precision holds"
     if max(board["pwm_hz"]) > LARGEST:
-        yield (("board", "pwm_hz"),), "frequencies that single precision holds"
-    if not is_positive_definite(np.array(config["arm"]["parameters"], dtype=np.float64)):
-        yield (("arm", "parameters"),), "an inertia matrix that is positive definite in every pose"
+        yield "board.pwm_hz", "frequencies that single precision holds"
+    if not is_positive_definite(np.array(arm["parameters"], dtype=np.float64)):
+        yield "arm.parameters", "an inertia matrix that is positive definite in every pose"
 
 
 def capture_files(config: Mapping[str, Any], motion: str) -> list[str]:
@@ -159,15 +154,14 @@ def capture_files(config: Mapping[str, Any], motion: str) -> list[str]:
     return [f"{experiment['captures']}/{name}" for name in names if experiment["source"] == "stored"]
 
 
-def _missing_inputs(config: Mapping[str, Any], motions: Iterable[str]) -> Iterator[tuple[Sequence[Place], str]]:
+def _missing_inputs(config: Mapping[str, Any], motions: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Find a folder of stored networks without them, and one of captures without those of these motions."""
     for file in (file for motion in motions for file in capture_files(config, motion)):
         if not Path(file).is_file():
-            expected = f"a folder with the stored captures ({Path(file).name})"
-            yield (("experiment", "captures"), ("experiment", "source")), expected
+            yield "experiment.captures experiment.source", f"a folder with the stored captures ({Path(file).name})"
     training = config["training"]
     if training["source"] == "stored" and not (Path(training["networks"]) / "cnn.safetensors").is_file():
-        yield (("training", "networks"), ("training", "source")), "a folder with the stored networks (cnn.safetensors)"
+        yield "training.networks training.source", "a folder with the stored networks (cnn.safetensors)"
 
 
 def check_config(
@@ -203,7 +197,8 @@ def check_config(
         if wrong := violation(whole, Configuration):
             refuse((*network, *wrong[0]), *wrong[1:])
         for places, expected in chain(_contradictions(whole), _missing_inputs(whole, motions) if inputs else ()):
-            own = [place for place in places if _at(config, (*network, *place)) is not _ABSENT]
+            named = [tuple(int(key) if key.isdigit() else key for key in each.split(".")) for each in places.split()]
+            own = [place for place in named if _at(config, (*network, *place)) is not _ABSENT]
             names = ["command line", *reversed(contents)]
             place = min(own, key=lambda place: names.index(file_of((*network, *place))))  # the one that was set last
             refuse((*network, *place), _at(whole, place), expected)

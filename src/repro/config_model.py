@@ -4,9 +4,9 @@ The JSON schema (`workflow/schemas/config.schema.yaml`) and the tables of `confi
 classes by `config/reference.py`; `repro.config` checks files against them.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
 from repro.cnn.architecture import Precision, ScheduleName
@@ -43,7 +43,9 @@ Seed = Annotated[int, Field(ge=0, le=2**32 - 1)]
 Arms = Annotated[int, Field(ge=1, le=100_000)]
 MemorySamples = Annotated[int, Field(ge=0, le=8192)]
 Pair = Field(min_length=2, max_length=2)
+T = TypeVar("T")
 Unique = AfterValidator(_distinct)
+Levels = Annotated[list[T], Field(min_length=1), Unique]
 Seeds = Annotated[list[Seed], Field(min_length=1, max_length=1000), Unique]
 Joints = Annotated[list[Positive], Pair]
 JointLevels = Annotated[list[Level], Pair]
@@ -179,19 +181,15 @@ class Changes(Section):
 class Networks(Section):
     """Networks other than the published one, which is the sections as they stand."""
 
+    model_config = ConfigDict(alias_generator=lambda name: name.replace("_", "-"))
+
     tracked: Changes = key("closed-loop motions in the training, and the desired motion in line 18", source="ours")
     desired: Changes = key("the published network with the desired motion in line 18", source="ours")
     tracked_measured: Changes = key(
-        "closed-loop motions in the training, and the measured motion in line 18",
-        source="ours",
-        alias="tracked-measured",
+        "closed-loop motions in the training, and the measured motion in line 18", source="ours"
     )
-    paper_recipe: Changes = key(
-        "the paper's own training, target `paper_recipe`", source="Section IV-B", alias="paper-recipe"
-    )
-    paper_recipe_ranges: Changes = key(
-        "the same from parameters in the printed ranges", source="Section IV-B, V-A", alias="paper-recipe-ranges"
-    )
+    paper_recipe: Changes = key("the paper's own training, target `paper_recipe`", source="Section IV-B")
+    paper_recipe_ranges: Changes = key("the same from parameters in the printed ranges", source="Section IV-B, V-A")
 
 
 class Algorithm1(Section):
@@ -235,9 +233,7 @@ class Numeric(Section):
     margin_samples: MemorySamples = key("recorded before and after, removed by **cut**", "samples", "line 4")
     validation_frequency_reading: FrequencyUnit = key("omega of the random motion", source="Eq. 14, Section V-B")
     validation_samples: Annotated[int, Field(ge=2, le=1_000_000)] = key("length of it", "samples", "Fig. 16, Table 7")
-    arms: NumericArms = key(
-        "test arms N1 to N4, in SI units", source="published: Tables 4, 5", allowed="9 numbers each"
-    )
+    arms: NumericArms = key("test arms N1 to N4, in SI units", "", "published: Tables 4, 5", "9 numbers each")
 
 
 class MetricSearch(Section):
@@ -342,16 +338,14 @@ class Coverage(Section):
 class Study(Section):
     """Where a learned method pays: the factors, their levels, and the budgets."""
 
-    excitations: Annotated[list[Literal["eq10", "slow", "random", "optimal"]], Field(min_length=1), Unique] = key(
-        "motions to identify by: Eq. 10, at half its pace, a random and a D-optimal motion",
+    excitations: Levels[Literal["eq10", "slow", "random", "optimal"]] = key(
+        "motions to identify by: Eq. 10, at half its pace, a random and a D-optimal motion"
     )
-    discrepancies: Annotated[list[Share], Field(min_length=1), Unique] = key(
-        "similarity that ordinary least squares reaches on the motion to identify by"
-    )
-    priors: Annotated[list[Literal["wide", "narrow", "mismatched"]], Field(min_length=1), Unique] = key(
+    discrepancies: Levels[Share] = key("similarity that ordinary least squares reaches on the motion to identify by")
+    priors: Levels[Literal["wide", "narrow", "mismatched"]] = key(
         "arms of the law that is trained on, wide or about the stored arm, or of another law than the wide one",
     )
-    frictions: Annotated[list[Positive], Field(min_length=1), Unique] = key("factors on the friction of tested arms")
+    frictions: Levels[Positive] = key("factors on the friction of tested arms")
     arms: Annotated[int, Field(ge=2, le=10_000)] = key("tested arms of each prior, in every cell", "arms")
     seed: Seed = key("seed of motions, arms, effects, networks and guesses")
     cnn_fraction: Annotated[int, Field(ge=1, le=10_000)] = key("Algorithm 1 is run in one of so many cells")
@@ -360,9 +354,9 @@ class Study(Section):
         "optimiser steps of the networks of Algorithm 1; the rate rises over a tenth of them", "steps"
     )
     training_arms: Annotated[int, Field(ge=20, le=10_000)] = key("arms whose motions are trained on", "arms")
-    networks: Annotated[
-        list[Literal["posterior", "flow", "algorithm1", "algorithm1+tracked"]], Field(min_length=1), Unique
-    ] = key("networks, besides least squares; flow needs the extra of that name")
+    networks: Levels[Literal["posterior", "flow", "algorithm1", "algorithm1+tracked"]] = key(
+        "networks, besides least squares; flow needs the extra of that name"
+    )
     posterior: PosteriorNetwork = key("size and budget of the posteriors, normal and flow")
     unmodelled: Unmodelled
 

@@ -178,20 +178,18 @@ def parse_json(text: str, place: str) -> object:
 
     try:
         content: object = json.loads(text, object_pairs_hook=once, parse_int=integer, parse_constant=constant)
+        too_deep = _depth(content) > DEEPEST
     except RecursionError:
-        raise InputError.at(place, *_TOO_DEEP) from None
-    if _depth(content) > DEEPEST:
+        too_deep = True
+    if too_deep:
         raise InputError.at(place, *_TOO_DEEP)
     return content
 
 
 def _depth(node: object) -> int:
     """Levels of lists and objects within each other."""
-    level, depth = [node], 0
-    while level := [each for each in level if isinstance(each, (dict, list))]:
-        depth += 1
-        level = [item for each in level for item in (each.values() if isinstance(each, dict) else each)]
-    return depth
+    inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else None
+    return 0 if inner is None else 1 + max(map(_depth, inner), default=0)
 
 
 #: Keys and list positions that lead to a value.
