@@ -25,6 +25,7 @@ l1 / 2 from joint 1. It lies behind the joint (lc1 < 0) if s < 0: a counterweigh
 """
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import sqrt
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
@@ -34,7 +35,7 @@ from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, check_beta
 #: Share of I3 and D that J2 and R keep at least, if the centre of mass of link 2 is to be put in its middle.
 FAIR_SHARE = 0.05
 
-#: Inertia of a link about its own long axis, over that about a transverse axis: a slender rod.
+#: Inertia of a rod about its long axis over that about a transverse one; simulators refuse an inertia of 0.
 SLENDERNESS = 0.1
 
 #: Lengths that an arm can have, m. Others come of a g2 or an I2 too near zero to fix one.
@@ -63,17 +64,14 @@ class LinkSet:
     rotor: float = 0.0  # inertia of the rotor of joint 2 about its axis, next to I3, kg m^2
 
     @property
-    def rows(self) -> tuple[tuple[int, float, float, float, float, float], ...]:
-        """Number, distance from the joint before, length, place of the centre of mass, mass and inertia of each."""
-        return (1, 0.0, self.l1, self.lc1, self.m1, self.j1), (2, self.l1, self.l2, self.lc2, self.m2, self.j2)
+    def rows(self) -> Iterator[tuple[int, float, float, float, float, float, float, float]]:
+        """Each link's number, distance from the joint before, length, centre of mass, mass, inertia, b and k."""
+        yield 1, 0.0, self.l1, self.lc1, self.m1, self.j1, self.b[0], self.k[0]
+        yield 2, self.l1, self.l2, self.lc2, self.m2, self.j2, self.b[1], self.k[1]
 
 
 def principal_inertia(planar: float) -> tuple[float, float, float]:
-    """Principal moments of a slender body along z that turns about y.
-
-    Planar motion shows the moment about y alone. The others are those of a slender rod: as large about x, and a tenth
-    about the rod, which is positive definite and meets the triangle inequality, as simulators require.
-    """
+    """Principal moments of a slender rod along z, of which planar motion shows that about y alone."""
     return planar, planar, SLENDERNESS * planar
 
 
@@ -155,8 +153,9 @@ def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[floa
     how = f"the geometric mean of its bounds {first * first / i3:.4g} and {d / (l1 * l1):.4g} kg"
     if lengths is not None:
         middle = 2.0 * first / lengths[1]
-        if i3 - first * first / middle >= FAIR_SHARE * i3 and d - middle * l1 * l1 >= FAIR_SHARE * d:
-            m2, j2, rest = middle, i3 - first * first / middle, d - middle * l1 * l1
+        of_middle = i3 - first * first / middle, d - middle * l1 * l1
+        if of_middle[0] >= FAIR_SHARE * i3 and of_middle[1] >= FAIR_SHARE * d:
+            m2, (j2, rest) = middle, of_middle
             how = "so that the centre of mass of link 2 is in its middle"
         else:
             how += f", since a centre of mass in the middle of link 2 would need {middle:.4g} kg"
@@ -217,7 +216,6 @@ def _numbers(*values: float) -> str:
 
 
 def _below(distance: float) -> str:
-    """Print a point below the origin."""
     return _numbers(0.0, 0.0, -distance)
 
 
@@ -233,14 +231,13 @@ def urdf(links: LinkSet, name: str) -> str:
     """Print the robot description of an arm; positive q moves a hanging arm towards +x, as in Fig. 1."""
     robot = Element("robot", name=_clean(name))
     SubElement(robot, "link", name="base")
-    for number, start, length, centre, mass, inertia in links.rows:
+    for number, start, length, centre, mass, inertia, damping, friction in links.rows:
         joint = SubElement(robot, "joint", name=f"joint{number}", type="revolute")
         SubElement(joint, "parent", link=f"link{number - 1}" if number > 1 else "base")
         SubElement(joint, "child", link=f"link{number}")
         SubElement(joint, "origin", xyz=_below(start), rpy="0 0 0")
         SubElement(joint, "axis", xyz=_AXIS)
         SubElement(joint, "limit", lower=_numbers(-_TURNS), upper=_numbers(_TURNS), effort="1000.0", velocity="1000.0")
-        damping, friction = links.b[number - 1], links.k[number - 1]
         SubElement(joint, "dynamics", damping=_numbers(damping), friction=_numbers(friction))
         link = SubElement(robot, "link", name=f"link{number}")
         inertial = SubElement(link, "inertial")
@@ -270,10 +267,9 @@ def mjcf(links: LinkSet, name: str) -> str:
     SubElement(default, "joint", type="hinge", axis=_AXIS)
     SubElement(default, "geom", type="capsule", contype="0", conaffinity="0")
     body, actuator = SubElement(model, "worldbody"), SubElement(model, "actuator")
-    for number, start, length, centre, mass, inertia in links.rows:
+    for number, start, length, centre, mass, inertia, damping, friction in links.rows:
         place = {"pos": _below(start)} if number > 1 else {}
         body = SubElement(body, "body", {"name": f"link{number}", **place})
-        damping, friction = links.b[number - 1], links.k[number - 1]
         joint = {"name": f"joint{number}", "damping": _numbers(damping), "frictionloss": _numbers(friction)}
         if number == 2 and links.rotor > 0.0:
             joint["armature"] = _numbers(links.rotor)

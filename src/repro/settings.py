@@ -25,14 +25,8 @@ Config = Mapping[str, Any]
 def signal_settings(config: Config) -> SignalSettings:
     """Sampling and filters, from section ``signals``."""
     s = config["signals"]
-    return SignalSettings(
-        h=s["sampling_period_s"],
-        c_f=s["filter_coefficient"],
-        omega_unit=s["frequency_reading"],
-        samples=s["image_samples"],
-        duration=s["duration_s"],
-        normalise_motion=s["normalise_motion"],
-    )
+    h, c_f, unit = s["sampling_period_s"], s["filter_coefficient"], s["frequency_reading"]
+    return SignalSettings(h, c_f, unit, s["image_samples"], s["duration_s"], s["normalise_motion"])
 
 
 def metric_settings(config: Config) -> MetricSettings:
@@ -56,9 +50,8 @@ def of_network(config: Config, network: str) -> dict[str, Any]:
 def data_settings(config: Config) -> DataSettings:
     """Training distribution, from sections ``data`` and ``image``."""
     d = config["data"]
-    guess = GuessSettings(
-        d["guess_low"], d["guess_high"], d["exact_share"], d["near_share"], d["near_low"], d["near_high"]
-    )
+    names = ("guess_low", "guess_high", "exact_share", "near_share", "near_low", "near_high")
+    guess = GuessSettings(*(d[name] for name in names))
     image, unmodelled = ImageSettings(**config["image"]), UnmodelledSettings(**d["unmodelled"])
     return DataSettings(d["prior"], guess, image, d["label"], unmodelled)
 
@@ -72,17 +65,9 @@ def training_settings(config: Config) -> TrainingSettings:
 
 def search_settings(config: Config) -> SearchSettings:
     """Constants of Algorithm 1, from sections ``algorithm1`` and ``metric``."""
-    a = config["algorithm1"]
-    return SearchSettings(
-        executions=a["executions"],
-        inner_limit=a["inner_limit"],
-        threshold=a["threshold_numeric"],
-        low=a["guess_low"],
-        high=a["guess_high"],
-        feasibility=a["feasibility"],
-        image_motion=a["image_motion"],
-        metric=metric_settings(config),
-    )
+    a = dict(config["algorithm1"])
+    threshold, low, high = a.pop("threshold_numeric"), a.pop("guess_low"), a.pop("guess_high")
+    return SearchSettings(**a, threshold=threshold, low=low, high=high, metric=metric_settings(config))
 
 
 def refinement_settings(config: Config) -> RefinementSettings:
