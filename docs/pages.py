@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
+from statistics import fmean as mean
 
 import pandas as pd
 
@@ -85,11 +86,6 @@ def published(prefix: str, cases: Iterable[str], suffix: str) -> list[float]:
     return [numbers[f"{prefix}/{case}{suffix}/total/joint{joint}"].value / 100 for case, joint in cells(cases)]
 
 
-def mean(values: list[float]) -> float:
-    """Arithmetic mean."""
-    return sum(values) / len(values)
-
-
 def cells(cases: Iterable[str]) -> list[tuple[str, int]]:
     """Both joints of each case."""
     return [(case, joint) for case in cases for joint in (1, 2)]
@@ -129,13 +125,8 @@ def headline() -> str:
         if key in PRINTED:
             printed = published("table10", MOTIONS, f"/{key}")
             validated = mean(published("table07", NUMERIC, "")) if key == "algorithm1" else float("nan")
-            rows.append(
-                [
-                    PRINTED[key],
-                    "over 97.38" if key == "algorithm1" else "",
-                    *map(percent, (validated, *printed[:2], mean(printed[2:]))),
-                ]
-            )
+            first = "over 97.38" if key == "algorithm1" else ""
+            rows.append([PRINTED[key], first, *map(percent, (validated, *printed[:2], mean(printed[2:])))])
         values = [*(part.get(key, float("nan")) for part in numeric), *arm.loc[key, cells(["ID"])]]
         rows.append([title_of(key), *map(percent, [*values, mean(arm.loc[key, cells(VALIDATION)].tolist())])])
     header = ["", "N1-N4, identification", "N1-N4, validation", "arm, ID τ1", "ID τ2", "arm, mean T1 to T4"]
@@ -151,21 +142,15 @@ def verdicts() -> str:
 def costs() -> str:
     """What the claims of a target cost."""
     frame = pd.read_csv(REFERENCE / "logs/costs.csv")
+    # Each table of Tables 4 to 7 needs the same jobs.
+    shared = {"table06": ["table04", "table05", "table06", "table07"], "table10": ["table10", "stability"]}
     rows = []
     for target, label in COSTS.items():
-        # Each table of Tables 4 to 7 needs the same jobs.
-        names = ["table04", "table05", "table06", "table07"] if target == "table06" else [target]
-        names = ["table10", "stability"] if target == "table10" else names
+        names = shared.get(target, [target])
         of = frame[frame["target"].isna()] if target is None else frame[frame["target"].isin(names)]
-        one = of.iloc[0]
-        figures = [
-            f"{one['jobs']:.0f}",
-            f"{one['minutes']:.1f}",
-            f"{one['cpu_minutes']:.1f}",
-            f"{one['memory_mib']:.0f}",
-            f"{one['disk_mb']:.1f}",
-        ]
-        rows.append([label, str(len(of)), *([""] * 5 if target is None else figures)])
+        decimals = {"jobs": 0, "minutes": 1, "cpu_minutes": 1, "memory_mib": 0, "disk_mb": 1}
+        figures = ["" if target is None else f"{of.iloc[0][name]:.{n}f}" for name, n in decimals.items()]
+        rows.append([label, str(len(of)), *figures])
     return markdown(["target", "claims", "jobs", "minutes", "on the processor", "MiB", "MB"], rows)
 
 
@@ -246,13 +231,8 @@ def described(name: str, what: object) -> str:
     return f"## {name}\n\n```text\n{shown}\n\n{inspect.getdoc(what)}\n```"
 
 
-TABLES: dict[str, Callable[[], str]] = {
-    table.__name__: table
-    for table in (
-        *(headline, verdicts, table06, table07, table10, costs, verdict),
-        *(arm_file, commands, api),
-    )
-}
+COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_file, commands, api)
+TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
 TABLES |= {name: partial(laid_out, name) for name in ("factorial", "board_size", "study_claims", "study_levels")}
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 

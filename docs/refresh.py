@@ -60,7 +60,7 @@ def refresh_reference() -> None:
     kept = {name: (REFERENCE / name).read_bytes() for name in asked_for if (REFERENCE / name).is_file()}
     shutil.rmtree(REFERENCE, ignore_errors=True)
     tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
-    for name in (*KEPT, *(name for name in asked_for if (results / name).exists()), *tables):
+    for name in (*KEPT, COSTS, *(name for name in asked_for if (results / name).exists()), *tables):
         (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(results / name, REFERENCE / name)
     for name, content in kept.items():
@@ -72,8 +72,6 @@ def refresh_reference() -> None:
             write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": config_digest(config)})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
-    (REFERENCE / COSTS).parent.mkdir()
-    shutil.copy(results / COSTS, REFERENCE / COSTS)
 
 
 def refresh_networks() -> None:

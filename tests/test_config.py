@@ -189,11 +189,7 @@ BAD = {
     "coverage: {levels: [0.9, 0.5]}": ("coverage.levels", "[0.9, 0.5]", "rising shares"),
     "coverage: {levels: [0.999]}": ("coverage.levels", "[0.999]", "0.9967 at most"),
     "experiment: {lead_in_s: 100.0}": ("experiment.lead_in_s", "100.0", "one sampling period"),
-    "results: mine\nexperiment: {captures: mine/experiment}": (
-        "experiment.captures",
-        "mine/experiment",
-        "does not write",
-    ),
+    "results: a\nexperiment: {captures: a/experiment}": ("experiment.captures", "a/experiment", "does not write"),
     "training: {networks: results/model}": ("training.networks", "results/model", "does not write"),
     "training: {paper: {images: 10, train_share: 0.01}}": ("training.paper.images", "10", "one image to train"),
     "arm: {link_lengths_m: [0.2, 0.01]}": ("arm.link_lengths_m", "[0.2, 0.01]", "circle of T2"),
@@ -207,11 +203,7 @@ BAD = {
     "networks: {tracked: {metric: {exponent: 1.0}}}": (NETWORK + "metric", "an unknown key", "image"),
     "networks: {tracked: {image: {constant: .nan}}}": (NETWORK + "image.constant", "nan", "finite"),
     "networks: {tracked: {data: {guess_low: 5.0}}}": (NETWORK + "data.guess_low", "5.0", "below data.guess_high"),
-    "networks: {tracked: {data: {tracked: {arms: 3}}}}": (
-        NETWORK + "data.tracked",
-        "a key",
-        "all networks share these arms",
-    ),
+    "networks: {tracked: {data: {tracked: {arms: 3}}}}": (NETWORK + "data.tracked", "a key", "share these arms"),
     "networks: {tracked: {refinement: {passes: 2}}}": (NETWORK + "refinement.passes", "2", "0"),
 }
 

@@ -191,15 +191,14 @@ class Identification:
         InputError
             If there is no such log.
         """
-        from repro.exhibits import style  # noqa: PLC0415  (a fit alone needs no drawing)
+        from repro.exhibits.style import house_style  # noqa: PLC0415  (a fit alone needs no drawing)
         from repro.ownarm.figures import draw_overlay  # noqa: PLC0415
 
         n = len(self._curves.signals)
         if log not in range(-n, n):
             raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
-        signals = self._curves.signals[log]
-        with style.house_style():
-            return draw_overlay(signals, {self.method: self._best.title}, self.details.simulated)
+        with house_style():
+            return draw_overlay(self._curves.signals[log], {self.method: self._best.title}, self.details.simulated)
 
     def save(self, folder: str | Path, overwrite: bool = False) -> list[str]:
         """Write parameters, scores, residuals, report and models of the arm.
@@ -227,11 +226,9 @@ class Identification:
         return write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
 
     def __str__(self) -> str:
-        """Give what to know of the recommended method."""
         return summary(self.details)
 
     def __repr__(self) -> str:
-        """Name the log and the method, and list the parameters."""
         numbers = ", ".join(f"{p.name}={p.estimate:.4g}" for p in self._best.parameters)
         return f"Identification({self.details.log.name!r}, method={self.method!r}, {numbers})"
 
@@ -325,8 +322,8 @@ def identify(
     logs, others = _several("log", log), _several("validate", validate)
     _check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
     _check_kind("cache", cache, (str, Path, NoneType), "a path")
-    _check_kind("friction", friction, bool, "True or False")
-    _check_kind("self_test", self_test, bool, "True or False")
+    for name, switch in (("friction", friction), ("self_test", self_test)):
+        _check_kind(name, switch, bool, "True or False")
     described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)
@@ -345,9 +342,8 @@ def identify(
     for prepared in problem.logs:
         s = prepared.settings
         _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
-        side = "earlier" if s.delay < 0.0 else "later"
-        ms = 1e3 * abs(s.delay)
-        _LOG.info("the torque acts %.3g ms %s than recorded; lambda %.4g s/rad", ms, side, s.friction_steepness)
+        delay = f"{1e3 * abs(s.delay):.3g} ms {'earlier' if s.delay < 0.0 else 'later'}"
+        _LOG.info("the torque acts %s than recorded; lambda %.4g s/rad", delay, s.friction_steepness)
     result, curves = _solve(problem, described, options, self_test)
     inputs = [source for source in (*logs, *others, arm, prior) if isinstance(source, (str, Path))]
     return Identification(result, result.recommended, curves, described, tuple(Path(name) for name in inputs))

@@ -12,10 +12,7 @@ from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 
 #: Variables that NumPy and OpenBLAS read when they are loaded.
-CONTRACT = {
-    "OPENBLAS_CORETYPE": "Haswell",
-    "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR",
-}
+CONTRACT = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
 #: Of any processor: sums do not depend on how many cores there are.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 #: Flags of x86-64-v3 that the contract's kernels use.

@@ -78,12 +78,12 @@ class Loader(yaml.SafeLoader):
         if self._left < 0:
             raise InputError.at(self.name, f"aliases that expand to more than {MOST_VALUES} values", "fewer")
         if isinstance(node, yaml.MappingNode):
+            names: set[str] = set()
             for key, value in node.value:
                 self._count(key, levels - 1)
-                if isinstance(key, yaml.ScalarNode) and not key.value.isprintable():
-                    raise self._refused(key, f"the key {key.value[:40]!a}", "a key without control characters")
-                name = key.value[:60] if isinstance(key, yaml.ScalarNode) else "?"
-                self._count(value, levels - 1, f"{field}.{name}" if field else name)
+                self._check_key(key, names)
+                names.add(key.value)
+                self._count(value, levels - 1, f"{field}.{key.value[:60]}" if field else key.value[:60])
         elif isinstance(node, yaml.SequenceNode):
             for number, item in enumerate(node.value):
                 self._count(item, levels - 1, f"{field}[{number}]")
@@ -92,17 +92,14 @@ class Loader(yaml.SafeLoader):
             if _SURROGATE.search(node.value):
                 raise self._refused(node, ascii(node.value[:40]), "characters that UTF-8 can hold")
 
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Build a mapping after checking that its keys are text and differ."""
-        seen: set[str] = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode) or key.tag != "tag:yaml.org,2002:str":
-                name = repr(key.value)[:60] if isinstance(key, yaml.ScalarNode) else "that is a list or a section"
-                raise self._refused(key, f"the key {name}", "text as key")
-            if key.value in seen:
-                raise self._refused(key, f"the key {key.value!r} twice", "each key once")
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
+    def _check_key(self, key: yaml.Node, earlier: set[str]) -> None:
+        if not isinstance(key, yaml.ScalarNode) or key.tag != "tag:yaml.org,2002:str":
+            name = repr(key.value)[:60] if isinstance(key, yaml.ScalarNode) else "that is a list or a section"
+            raise self._refused(key, f"the key {name}", "text as key")
+        if not key.value.isprintable():
+            raise self._refused(key, f"the key {key.value[:40]!a}", "a key without control characters")
+        if key.value in earlier:
+            raise self._refused(key, f"the key {key.value!r} twice", "each key once")
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
         """Build an integer from decimal digits; YAML would read 1:30 as 90 and 010 as 8."""

@@ -130,9 +130,8 @@ def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[floa
     """Links that have the nine parameters (9,), up to rounding."""
     beta = check_beta(beta)
     i1, i2, i3, g1, g2, b1, b2, k1, k2 = beta.tolist()
-    _check_sizes({"gravity": gravity})
-    if lengths is not None:
-        _check_sizes({"given l1": lengths[0], "given l2": lengths[1]})
+    sizes = {} if lengths is None else {"given l1": lengths[0], "given l2": lengths[1]}
+    _check_sizes({"gravity": gravity, **sizes})
     _check_possible(beta)
     first, d = g2 / gravity, i1 - i3  # a, D
     l1 = i2 / (2.0 * first)

@@ -6,7 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -60,9 +60,8 @@ def check_folder(out: Path, overwrite: bool) -> None:
         if out.exists() and not out.is_dir():
             raise InputError.at(str(out), "a file", "a folder, or a name that is free")
         if out.exists() and not overwrite and any(out.iterdir()):
-            raise InputError.at(
-                str(out), "a folder with files in it", f"a new or empty folder, or {option('overwrite')}"
-            )
+            expected = f"a new or empty folder, or {option('overwrite')}"
+            raise InputError.at(str(out), "a folder with files in it", expected)
         with _folder_near(out) as folder:  # fails where a parent is a link to nothing
             (Path(folder) / "space").write_bytes(bytes(_FREE_SPACE))
 
@@ -76,10 +75,7 @@ def _folder_near(out: Path) -> tempfile.TemporaryDirectory[str]:
 
 
 def fill_folder(
-    out: Path,
-    fill: Callable[[Path], None],
-    optional: Collection[str] = (),
-    inputs: Iterable[Path] = (),
+    out: Path, fill: Callable[[Path], None], optional: Collection[str] = (), inputs: Iterable[Path] = ()
 ) -> list[str]:
     """Let `fill` write into a temporary folder, then move its files to `out`: all of them, or none.
 
@@ -109,19 +105,14 @@ def fill_folder(
 
 def _move(steps: Iterable[tuple[Path, Path]], out: Path) -> None:
     """Rename files one after another; if one cannot be, all have their old names again."""
-    new = not out.exists()
-    out.mkdir(parents=True, exist_ok=True)
-    done: list[tuple[Path, Path]] = []
-    try:
+    with ExitStack() as undo:  # backwards
+        if not out.exists():
+            out.mkdir(parents=True, exist_ok=True)
+            undo.callback(out.rmdir)
         for source, target in steps:
             source.rename(target)
-            done.append((source, target))
-    except BaseException:
-        for source, target in reversed(done):
-            target.rename(source)
-        if new:
-            out.rmdir()
-        raise
+            undo.callback(target.rename, source)
+        undo.pop_all()
 
 
 def write_text(path: Path | str, text: str) -> None:
@@ -136,8 +127,7 @@ def write_json(path: Path | str, content: object) -> None:
 
 def csv_text(frame: pd.DataFrame) -> str:
     """Format a table without its index, numbers with ten significant digits."""
-    text: str = frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
-    return text
+    return frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
 
 
 def write_csv(path: Path | str, frame: pd.DataFrame) -> None:

@@ -250,10 +250,9 @@ def test_simulation_agrees_with_an_independent_integrator(result):
     q, dq = own.simulate(t, tau, [0.4, -0.3], [0.0, 0.5])
     assert q == pytest.approx(expected[:2], abs=2e-4)
     assert dq == pytest.approx(expected[2:], abs=1e-3)
-    with pytest.raises(ValueError, match=r"^t: "):
-        own.simulate(t[::-1], tau, [0.0, 0.0], [0.0, 0.0])
-    with pytest.raises(ValueError, match=r"^t: "):
-        own.simulate(np.r_[t[:-1], t[-2]], tau, [0.0, 0.0], [0.0, 0.0])
+    for wrong in (t[::-1], np.r_[t[:-1], t[-2]]):
+        with pytest.raises(ValueError, match=r"^t: "):
+            own.simulate(wrong, tau, [0.0, 0.0], [0.0, 0.0])
     with pytest.raises(ValueError, match=r"^t, tau, q0, dq0: "):
         own.simulate(t, tau[:, 1:], [0.0, 0.0], [0.0, 0.0])
 
