@@ -80,13 +80,11 @@ def compare_hosts(recorded: Mapping[str, str] | None) -> str:
     if not recorded:
         return "this host: the run keeps no fingerprint to compare with"
     here = fingerprint()
-    apart = differing(recorded, here)
+    n, apart = len(here), differing(recorded, here)
     if not apart:
-        return f"this host: inside the numeric contract, {len(here)} of {len(here)} probes as where the run was made"
-    return (
-        f"this host: outside the numeric contract, {len(apart)} of {len(here)} probes differ ({', '.join(apart)}): "
-        "computed numbers agree to rounding, not to the bit"
-    )
+        return f"this host: inside the numeric contract, {n} of {n} probes as where the run was made"
+    found = f"outside the numeric contract, {len(apart)} of {n} probes differ ({', '.join(apart)})"
+    return f"this host: {found}: computed numbers agree to rounding, not to the bit"
 
 
 def main() -> None:
