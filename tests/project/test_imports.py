@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 RULES = "".join(file.read_text(encoding="utf-8") for file in (ROOT / "workflow" / "rules").glob("*.smk"))
 #: Modules of functions that rules call, and those that run a network.
 CALLED = set(re.findall(r'"(repro[\w.]+):\w+"', RULES))
-WITH_NETWORK = {"repro.pipeline.networks", "repro.pipeline.coverage", "repro.study.readers", "repro.study.outcomes"}
+WITH_NETWORK = {"repro.pipeline.networks", "repro.pipeline.coverage", "repro.study.readers"}
 SCRIPTS = (ROOT / "workflow" / "scripts").glob("*.py")
 #: What the Snakefile and the command line load.
 LOADED = ("job", "provenance", "experiment", "factorial", "interpretations", "stored_networks")

@@ -71,4 +71,4 @@ def test_the_band_holds_95_percent_of_uniform_samples(n):
 def test_two_rows_for_one_arm_are_refused():
     one = outcomes({"wide": 0.0, "narrow": 0.0}, arms=2)
     with pytest.raises(ValueError, match="two rows"):
-        analysis.check_outcomes(pd.concat([one, one.iloc[:1]]))
+        analysis.maps(pd.concat([one, one.iloc[:1]]))

@@ -10,7 +10,8 @@ from experiment_example import changed, full_config, refused
 
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant, Unmodelled
-from repro.pipeline.experiment import control_constants, true_parameters
+from repro.pipeline.experiment import Recording, control_constants, true_parameters
+from repro.signals.programs import ReferenceTrajectory
 from repro.study.arms import Effects, choose, draw_law, excitation_program, with_friction
 from repro.study.design import FACTORS, cells, jobs
 
@@ -69,12 +70,13 @@ def test_what_is_observed_of_an_arm():
     levels[2, 1], levels[3, 1] = (0.01, 0.02), (0.1, 0.2)
     effects, delayed = Effects(levels, np.zeros((2, 2))), Effects(levels.copy(), np.zeros((2, 2)))
     delayed.levels[4, 1] = 3 * h
-    measured, scaled = effects.observed(arm, q, tau, h)
-    np.testing.assert_allclose(measured, q + [[0.01], [0.02]] * tau)
-    np.testing.assert_allclose(scaled, tau + [[0.1], [0.2]] * tau * np.abs(tau))
-    np.testing.assert_allclose(delayed.observed(arm, q, tau, h)[1][:, 3:], scaled[:, :-3])
+    recording = Recording(ReferenceTrajectory("ID", q, 0, len(t), h), q, tau)
+    found = effects.observed(arm, recording)
+    np.testing.assert_allclose(found.q, q + [[0.01], [0.02]] * tau)
+    np.testing.assert_allclose(found.tau, tau + [[0.1], [0.2]] * tau * np.abs(tau))
+    np.testing.assert_allclose(delayed.observed(arm, recording).tau[:, 3:], found.tau[:, :-3])
     twice = effects.times(np.array([1.0, 2.0]))
-    np.testing.assert_allclose(twice.observed(arm, q, tau, h)[0] - q, 2.0 * (measured - q))
+    np.testing.assert_allclose(twice.observed(arm, recording).q - q, 2.0 * (found.q - q))
 
 
 def test_an_arm_moves_the_same_in_any_batch():

@@ -59,7 +59,7 @@ rule study_cells:
         mem_mb=4000,
         runtime=120,
     params:
-        *call("repro.study.outcomes:run_job"),
+        *call("repro.study.readers:run_job"),
         config=sections(*ARM, *USED, "study"),
     message:
         "Identifying the arms of {wildcards.job}"

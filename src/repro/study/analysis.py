@@ -19,15 +19,10 @@ PAIRS = (
 LEVEL = 0.95
 
 
-def check_outcomes(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Outcomes with one row for each method of each arm of each cell."""
-    if outcomes.duplicated(list(KEYS)).any():
-        raise ValueError("outcomes: a method has two rows for one arm of a cell.")
-    return outcomes
-
-
 def difference(outcomes: pd.DataFrame, method: str, opponent: str) -> pd.Series:
     """Similarity of a method minus that of another, by the factors and the arm; only where both were run."""
+    if outcomes.duplicated(list(KEYS)).any():
+        raise ValueError("outcomes: a method has two rows for one arm of a cell.")
     values = outcomes.set_index(list(KEYS))["validation"]
     return (_level(values, "method", method) - _level(values, "method", opponent)).dropna()
 
@@ -39,14 +34,12 @@ def _level(values: pd.Series, factor: str, level: object) -> pd.Series:
 
 def conditions(values: pd.Series) -> pd.DataFrame:
     """Centre and interval over the arms in each condition, valid at once in all of them, and what follows."""
-    names = [str(name) for name in values.index.names if name != "arm"]
+    names = [name for name in values.index.names if name != "arm"]
     cells, rows = values.groupby(names, sort=False), []
     for cell, own in cells:
         centre, low, high = interval(own.to_numpy(), 1.0 - FAMILY_LEVEL / cells.ngroups)
-        found = {"arms": len(own), "difference": centre, "low": low, "high": high}
-        conclusion = conclude(low, high, (low > 0) - (high < 0))
-        rows.append({**dict(zip(names, cell, strict=True)), **found, "conclusion": conclusion})
-    return pd.DataFrame(rows)
+        rows.append((*cell, len(own), centre, low, high, conclude(low, high, (low > 0) - (high < 0))))
+    return pd.DataFrame(rows, columns=[*names, "arms", "difference", "low", "high", "conclusion"])
 
 
 def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
@@ -54,13 +47,9 @@ def maps(outcomes: pd.DataFrame) -> pd.DataFrame:
     tables = {pair: table for pair in PAIRS if len(table := conditions(difference(outcomes, *pair)))}
     table = pd.concat(tables, names=["method", "opponent"]).reset_index(["method", "opponent"])
     square = ["method", "opponent", *(factor for factor in FACTORS if factor != "friction")]
-    excluded = (table["low"] > 0.0) | (table["high"] < 0.0)
-    groups = table.assign(excluded=excluded).groupby(square)
-    sure, of = groups["excluded"].transform("sum"), groups["excluded"].transform("size")
-    return table.assign(mean=groups["difference"].transform("mean"), sure=sure, of=of)
-
-
-# --- Claims -------------------------------------------------------------------------------------------------------
+    groups = table.assign(sure=(table["low"] > 0.0) | (table["high"] < 0.0)).groupby(square)
+    mean, sure = groups["difference"].transform("mean"), groups["sure"].transform("sum")
+    return table.assign(mean=mean, sure=sure, of=groups["sure"].transform("size"))
 
 
 @dataclass(frozen=True)
@@ -87,43 +76,37 @@ def _robust(outcomes: pd.DataFrame) -> pd.Series:
     return (_level(better, "discrepancy", levels[0]) - _level(better, "discrepancy", levels[-1])).dropna()
 
 
-def _pair(method: str, opponent: str, **where: object) -> Callable[[pd.DataFrame], pd.Series]:
-    def values(outcomes: pd.DataFrame) -> pd.Series:
-        for factor, level in where.items():
-            outcomes = outcomes[outcomes[factor] == level]
-        return difference(outcomes, method, opponent)
-
-    return values
-
-
 #: Claims of the paper, and the question of the study; fixed before the first full run.
 CLAIMS = (
-    Claim("better", "Algorithm 1 is better than least squares", _pair(ALGORITHM1, "ordinary")),
+    Claim("better", "Algorithm 1 is better than least squares", lambda of: difference(of, ALGORITHM1, "ordinary")),
     Claim("unoptimised", "no trajectory optimisation is needed", _optimised, EQUIVALENT),
     Claim(
         "identical",
         "it is not critical that the trajectory be identical to that of the training",
-        _pair(ALGORITHM1, TRACKED, excitation="eq10"),
+        lambda of: difference(of[of["excitation"] == "eq10"], ALGORITHM1, TRACKED),
         EQUIVALENT,
     ),
     Claim("robust", "Algorithm 1 loses less than least squares where Eq. 1 does not hold", _robust),
-    Claim("posterior", "the amortised posterior is better than least squares", _pair(POSTERIOR, "ordinary")),
     Claim(
-        "constrained", "the amortised posterior is better than consistent least squares", _pair(POSTERIOR, "consistent")
+        "posterior",
+        "the amortised posterior is better than least squares",
+        lambda of: difference(of, POSTERIOR, "ordinary"),
+    ),
+    Claim(
+        "constrained",
+        "the amortised posterior is better than consistent least squares",
+        lambda of: difference(of, POSTERIOR, "consistent"),
     ),
     Claim(
         "prior",
         "generalised least squares with the prior is better than consistent least squares",
-        _pair("generalised+prior", "consistent"),
+        lambda of: difference(of, "generalised+prior", "consistent"),
     ),
 )
 
 
 def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Each claim: centre and interval over arms, valid at once for all; and the conditions in which it is true.
-
-    A claim on levels that a smaller study leaves out has no row.
-    """
+    """Each claim whose levels were run: centre and interval over arms, valid at once for all; conditions it is true in."""
     rows = []
     for claim in CLAIMS:
         values = claim.values(outcomes)
@@ -132,11 +115,11 @@ def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
         of_arms = values.groupby(["prior", "arm"]).mean()
         centre, low, high = interval(of_arms.to_numpy(), 1.0 - FAMILY_LEVEL / len(CLAIMS))
         verdict = "holds" if low > -claim.margin else "fails" if high < -claim.margin else OPEN
-        own = {"claim": claim.name, "sentence": claim.sentence, "arms": len(of_arms), "difference": centre}
-        own |= {"low": low, "high": high, "margin": claim.margin, "verdict": verdict}
-        found = conditions(values)
-        rows.append({**own, "better": int((found["low"] > 0).sum()), "conditions": len(found)})
-    return pd.DataFrame(rows)
+        sure = conditions(values)["low"] > 0
+        found = (claim.name, claim.sentence, len(of_arms), centre, low, high, claim.margin, verdict)
+        rows.append((*found, int(sure.sum()), len(sure)))
+    columns = ["claim", "sentence", "arms", "difference", "low", "high", "margin", "verdict", "better", "conditions"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def levels(outcomes: pd.DataFrame) -> pd.DataFrame:
@@ -149,21 +132,14 @@ def levels(outcomes: pd.DataFrame) -> pd.DataFrame:
         found = conditions(values)
         for factor in FACTORS:
             for level, own in found.groupby(factor, sort=False):
-                surely = {"better": int((own["low"] > 0).sum()), "worse": int((own["high"] < 0).sum())}
-                mean = {"difference": own["difference"].mean(), **surely, "conditions": len(own)}
-                rows.append({"claim": claim.name, "factor": factor, "level": level, **mean})
-    return pd.DataFrame(rows)
-
-
-# --- Means and calibration ----------------------------------------------------------------------------------------
+                sure = int((own["low"] > 0).sum()), int((own["high"] < 0).sum())
+                rows.append((claim.name, factor, level, own["difference"].mean(), *sure, len(own)))
+    columns = ["claim", "factor", "level", "difference", "better", "worse", "conditions"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def means(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Mean outcomes of each method over the conditions in which every method was run, by prior.
-
-    Median of the error of position and of the contraction: in an unstable loop, and of a claim that is too wide, they
-    have no bound.
-    """
+    """Mean outcomes of each method by prior over the conditions of all methods; medians of what has no bound."""
     counts = outcomes.groupby(list(FACTORS))["method"].transform("nunique")
     common = outcomes[counts == outcomes["method"].nunique()].copy()
     inside = (common[list(RANKS)] - 0.5).abs() < LEVEL / 2
@@ -174,13 +150,12 @@ def means(outcomes: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-def calibration(outcomes: pd.DataFrame, points: int = 41) -> pd.DataFrame:
+def calibration(outcomes: pd.DataFrame) -> pd.DataFrame:
     """Distribution of the probability below the truth and of the nearer share, by method and prior, with a band.
 
-    Both are uniform where a claimed distribution is right. The arms are the independent values: of each its cells are
-    averaged. The band holds the whole distribution function of that many uniform numbers with 95 %.
+    Both are uniform where a claimed distribution is right. The band is for as many independent values as arms.
     """
-    grid, rows = np.linspace(0.0, 1.0, points), []
+    grid, rows = np.linspace(0.0, 1.0, 41), []
     claimed = outcomes[outcomes[RANKS[0]].notna()]
     for (prior, method), own in claimed.groupby(["prior", "method"], sort=False):
         half = band(own["arm"].nunique(), grid)
@@ -190,8 +165,8 @@ def calibration(outcomes: pd.DataFrame, points: int = 41) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["prior", "method", "of", "level", "share", "band"])
 
 
-def band(n: int, grid: Array, draws: int = 2000) -> float:
-    """Half width of a band about the diagonal that holds the distribution of n uniform numbers with 95 %."""
-    uniform = np.random.default_rng(0).uniform(size=(draws, n))
+def band(n: int, grid: Array) -> float:
+    """Half width of a band about the diagonal that contains the distribution of n uniform numbers with 95 %."""
+    uniform = np.random.default_rng(0).uniform(size=(2000, n))
     apart = np.abs((uniform[..., np.newaxis] <= grid).mean(axis=1) - grid).max(axis=1)
     return float(np.quantile(apart, LEVEL))

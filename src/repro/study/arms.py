@@ -23,27 +23,17 @@ from repro.pipeline.simulated_arms import Specimen, draw_arms, draw_built_arms, 
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
-from repro.signals.trajectories import Motion
 from repro.signals.validation_motions import random_motion
 from repro.streams import Stream, stream
 from repro.study.design import FACTORS, Cell
 
-#: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
-NARROW = 1.5
-#: Arms for each that is wanted: drawn, and simulated to see whether they track.
-DRAWN, SPARE = 24, 2
-#: The amplitude of the effects is found in so many steps, each by at most this factor.
-STEPS, LARGEST_STEP = 6, 5.0
-#: Pace of the slow one over that of Eq. 10.
-SLOW_PACE = 0.5
-#: Harmonics of the D-optimal motion, its range of position (rad) and speed (rad/s), and the share of the torque limit
-#: that it asks of the stored arm: other arms have more friction.
-HARMONICS, RANGE, SPEED, TORQUE_SHARE = 8, 1.5, 5.0, 0.6
+#: Arms drawn for each that is wanted.
+DRAWN = 24
 
 
 def around_stored_arm(config: Config) -> AroundPrior:
-    """Law of the narrow prior."""
-    return AroundPrior(tuple(true_parameters(config).tolist()), NARROW)
+    """Law of the narrow prior: each parameter of the stored arm, times or divided by up to 1.5."""
+    return AroundPrior(tuple(true_parameters(config).tolist()), 1.5)
 
 
 def draw_law(law: str, rng: np.random.Generator, n: int, config: Config) -> Array:
@@ -55,7 +45,7 @@ def draw_law(law: str, rng: np.random.Generator, n: int, config: Config) -> Arra
 
 def with_friction(beta: Array, factor: float) -> Array:
     """The same arms with their friction multiplied."""
-    return np.asarray(beta * np.array([1.0] * 5 + [factor] * 4))
+    return np.asarray(beta * ([1.0] * 5 + [factor] * 4))
 
 
 @dataclass(frozen=True)
@@ -81,66 +71,48 @@ class Effects:
         """Multiply the effects of each arm by its amplitude (n,)."""
         return replace(self, levels=amplitude[:, np.newaxis] * self.levels)
 
-    def observed(self, k: int, q: Array, tau: Array, h: float) -> tuple[Array, Array]:
-        """What is recorded of arm `k` instead of its position and torque (2, N)."""
+    def observed(self, k: int, one: Recording) -> Recording:
+        """What is recorded of arm `k` instead of its position and torque."""
         compliance, saturation, delay = self.levels[2:, k, :, np.newaxis]
-        n, scaled = np.arange(tau.shape[1]), tau * (1.0 + saturation * np.abs(tau))
-        late = np.stack([np.interp(n - d / h, n, x) for d, x in zip(delay, scaled, strict=True)])
-        return q + compliance * tau, late
+        n, scaled = np.arange(one.tau.shape[1]), one.tau * (1.0 + saturation * np.abs(one.tau))
+        late = [np.interp(n - d / one.program.h, n, x) for d, x in zip(delay, scaled, strict=True)]
+        return replace(one, q=one.q + compliance * one.tau, tau=np.stack(late))
 
 
 def record(
     config: Config, beta: Array, programs: Sequence[ReferenceTrajectory], effects: Effects, what: str
 ) -> list[Recording]:
     """Recordings of arms (n, 9), each along its own motion."""
-    levels = np.moveaxis(effects.levels[:2], 0, 1).tolist()
-    unmodelled = [Unmodelled(stribeck=(s[0], s[1]), ripple=(r[0], r[1])) for s, r in levels]
+    unmodelled = [Unmodelled(stribeck=s, ripple=r) for s, r in zip(*effects.levels[:2].tolist(), strict=True)]
     desired = np.stack([program.q for program in programs])
     counts = run_loop(config, beta, desired, what, unmodelled, effects.phase, quick=True)
-    recordings = []
-    for k, (program, position, pwm) in enumerate(zip(programs, *counts, strict=True)):
-        one = Recording.of_counts(program, position, pwm, config)
-        q, tau = effects.observed(k, one.q, one.tau, program.h)
-        recordings.append(replace(one, q=q, tau=tau))
-    return recordings
-
-
-# --- Motions that arms are identified from: Eq. 10, the same at half its pace, a random and a D-optimal one ---------
+    recordings = [Recording.of_counts(*one, config) for one in zip(programs, *counts, strict=True)]
+    return [effects.observed(k, one) for k, one in enumerate(recordings)]
 
 
 def excitation_config(config: Config, excitation: str) -> dict[str, Any]:
-    """Configuration with the length of an excitation."""
+    """Configuration with the length of an excitation; the slow one has half the pace of Eq. 10."""
     duration = config["signals"]["duration_s"]
-    return merged(config, {"signals": {"duration_s": duration / SLOW_PACE if excitation == "slow" else duration}})
+    return merged(config, {"signals": {"duration_s": duration / 0.5 if excitation == "slow" else duration}})
 
 
 def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
-    """Motion that arms are identified from, which the stored arm can do."""
+    """Motion that arms are identified from and that the stored arm can do: of Eq. 10, random or D-optimal."""
     c = excitation_config(config, excitation)
     if excitation in ("eq10", "slow"):
         return program_from_config(c, "ID")
     h, margin = c["signals"]["sampling_period_s"], c["experiment"]["margin_samples"]
     samples = round(c["signals"]["duration_s"] / h) + 2 * margin
+    rng = stream(c["study"]["seed"], Stream.STUDY_MOTION)
     if excitation == "random":
         t = program_settings(c)
-        rng = stream(c["study"]["seed"], Stream.STUDY_MOTION)
         motion = random_motion(rng, t.t1_bands, t.t1_limit, t.t1_range_of, samples, h)
     else:
-        motion = _optimal(c, (samples - 1, h))
+        first, second = limits(c)[0]
+        # Part of the torque limit, since other arms than the stored one have more friction.
+        arm = Arm(position_limit=((-1.5, 1.5),) * 2, speed_limit=(5.0, 5.0), torque_limit=(0.6 * first, 0.6 * second))
+        motion = design(Envelope(arm, true_parameters(c)), (samples - 1, h), 8, np.array([0.05, 0.05]), rng)
     return ReferenceTrajectory("ID", motion.q, margin, samples - margin, h)
-
-
-def _optimal(config: Config, times: tuple[int, float]) -> Motion:
-    """D-optimal motion within the limits of the stored arm, from and to rest."""
-    first, second = limits(config)[0]
-    torque = (TORQUE_SHARE * first, TORQUE_SHARE * second)
-    arm = Arm(position_limit=((-RANGE, RANGE),) * 2, speed_limit=(SPEED, SPEED), torque_limit=torque)
-    envelope = Envelope(arm, true_parameters(config))
-    rng = stream(config["study"]["seed"], Stream.STUDY_MOTION)
-    return design(envelope, times, HARMONICS, np.array([0.05, 0.05]), rng)
-
-
-# --- The arms that are tested -------------------------------------------------------------------------------------
 
 
 def choose(config: Config, out: Path) -> None:
@@ -155,7 +127,7 @@ def choose(config: Config, out: Path) -> None:
         drawn = draw_law(prior, rng, DRAWN * s["arms"], config)
         for program in motions:
             drawn = drawn[is_within_limits(config, with_friction(drawn, max(s["frictions"])), program)]
-        drawn = drawn[: SPARE * s["arms"]]
+        drawn = drawn[: 2 * s["arms"]]
         for program in excitations.values():
             for factor in (min(s["frictions"]), max(s["frictions"])):
                 if len(drawn):
@@ -183,9 +155,6 @@ def read_choice(path: Path, config: Config, excitation: str) -> tuple[ReferenceT
     return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"]), kept
 
 
-# --- Recordings of a job's cells ----------------------------------------------------------------------------------
-
-
 def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajectory, arms: Array) -> list[Specimen]:
     """Record the arms (n, 9) in cells of one excitation and one prior.
 
@@ -199,18 +168,15 @@ def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajector
     drawn = Effects.drawn(stream(config["study"]["seed"], Stream.STUDY_EFFECTS, prior), arms)
     unit = Effects(np.tile(drawn.levels, (1, len(cells), 1)), np.tile(drawn.phase, (len(cells), 1)))
     target = np.repeat([1.0 - cell.discrepancy**2.5 for cell in cells], n)
-    amplitude, reached, identified = np.ones(len(beta)), np.zeros(len(beta)), []
-    for step in range(STEPS):
+    amplitude = np.ones(len(beta))
+    for remaining in reversed(range(6)):
         identified = record(c, beta, [program] * len(beta), unit.times(amplitude), "runs of the excitation")
-        reached = np.array([least_squares_similarity(recording, c) for recording in identified])
-        if step < STEPS - 1:
-            factor = target / np.maximum(1.0 - reached**2.5, 1e-6)
-            amplitude *= np.clip(factor, 1.0 / LARGEST_STEP, LARGEST_STEP)
+        if remaining:
+            reached = np.array([least_squares_similarity(recording, c) for recording in identified])
+            amplitude *= np.clip(target / np.maximum(1.0 - reached**2.5, 1e-6), 0.2, 5.0)
     own = [_validation(config, k) for k in range(n)] * len(cells)
-    further = [
-        record(c, beta, [programs[m] for programs in own], unit.times(amplitude), f"runs of {name}")
-        for m, name in enumerate(VALIDATION)
-    ]
+    by_motion, effects = zip(*own, strict=True), unit.times(amplitude)
+    further = [record(c, beta, same, effects, f"runs of {same[0].name}") for same in by_motion]
     labels = [{**{name: getattr(cell, name) for name in FACTORS}, "arm": k} for cell in cells for k in range(n)]
     runs = zip(identified, *further, strict=True)
     return [Specimen(one["arm"] + 1, one, true, own) for one, true, own in zip(labels, beta, runs, strict=True)]

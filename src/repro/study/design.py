@@ -1,8 +1,4 @@
-"""The design of the study: its cells, and the jobs that run them.
-
-A cell is a combination of four factors. Its blocks are arms, the same in all cells of one prior, so that cells and
-methods are compared on the same arms.
-"""
+"""The design of the study: cells, each a combination of four factors on the same arms for one prior, and their jobs."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -37,23 +33,19 @@ class Cell:
 def cells(config: Config) -> list[Cell]:
     """All cells in order; Algorithm 1 is run in every `cnn_fraction`-th of them, balanced over pairs of factors."""
     s = config["study"]
-    factors = [list(enumerate(s[name])) for name in ("excitations", "discrepancies", "priors", "frictions")]
-    return [
-        Cell(excitation, discrepancy, prior, friction, searched=(i + j + k + m) % s["cnn_fraction"] == 0)
-        for (i, excitation), (j, discrepancy), (k, prior), (m, friction) in product(*factors)
-    ]
+    factors = [enumerate(s[name]) for name in ("excitations", "discrepancies", "priors", "frictions")]
+    numbered = [zip(*each, strict=True) for each in product(*factors)]
+    return [Cell(*levels, searched=sum(numbers) % s["cnn_fraction"] == 0) for numbers, levels in numbered]
 
 
 def jobs(config: Config) -> dict[str, list[Cell]]:
     """Cells by the name of their job: those of one excitation and one prior need the same networks."""
-    found: dict[str, list[Cell]] = {}
     groups: dict[str, list[Cell]] = {}
     for cell in cells(config):
         groups.setdefault(f"{cell.excitation}-{cell.prior}", []).append(cell)
     size = config["study"]["cells_per_job"]
-    for name, members in groups.items():
-        found |= {f"{name}-{k // size}": members[k : k + size] for k in range(0, len(members), size)}
-    return found
+    starts = [(name, k) for name, members in groups.items() for k in range(0, len(members), size)]
+    return {f"{name}-{k // size}": groups[name][k : k + size] for name, k in starts}
 
 
 def networks(config: Config, job: str) -> list[str]:

@@ -1,15 +1,16 @@
-"""Readers of the study: what each method makes of a recording, and what it claims to know.
+"""Readers of the study: what each method makes of a recording, what it claims to know, and how good both are.
 
 Three kinds see the same simulations: Algorithm 1, whose network reads image and guess; an amortised posterior, whose
 network reads the torque alone; and least squares. A reader of an excitation and a prior is trained once.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy import linalg
 from scipy.special import ndtr
 
@@ -19,40 +20,39 @@ from repro.cnn.plain import Flow, PlainNetwork, load_posterior, read_torque, sav
 from repro.cnn.priors import AroundPrior, Prior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
+from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.search import ImageMotion, ResidualEstimator, search, select
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import Regression, correlation_time, mean_variance
-from repro.model.parameters import Array
+from repro.identification.scores import relative_rms
+from repro.model.parameters import FEASIBILITY, Array
 from repro.pipeline.experiment import Recording
 from repro.pipeline.identifications import prepare_recording
 from repro.pipeline.job import Config
+from repro.pipeline.monte_carlo import Scores
 from repro.pipeline.networks import algorithm1_of, for_the_arm, plain_settings
-from repro.pipeline.simulated_arms import sampled_tracks
-from repro.progress import Progress
-from repro.settings import data_settings, network_settings, signal_settings, training_settings
+from repro.pipeline.simulated_arms import run_loop, sampled_tracks
+from repro.progress import Progress, over
+from repro.settings import data_settings, metric_settings, network_settings, signal_settings, training_settings
 from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
-from repro.study.arms import Effects, around_stored_arm, draw_law, excitation_config, read_choice, record
-from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED
+from repro.study.arms import (
+    Effects,
+    around_stored_arm,
+    draw_law,
+    excitation_config,
+    least_squares_similarity,
+    read_choice,
+    record,
+    specimens,
+)
+from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs
 
-#: Least squares that do not need the simulations.
-LEAST_SQUARES = ("ordinary", "robust", "bounded", "consistent")
 #: Networks that are searched with, and the motion of line 18: the measured one as listed, or the one that was sent.
 SEARCHED: dict[str, ImageMotion] = {ALGORITHM1: "measured", TRACKED: "desired"}
 #: Weight of a white part in the covariance of the torque errors, which few arms cannot determine.
 SHRINKAGE = 0.1
-#: Arms that give mean and covariance of a prior.
-PRIOR_DRAWS = 4000
-#: Draws from a normal distribution that is compared with the truth, and from a flow.
-DRAWS, FLOW_DRAWS = 200, 1000
-#: Columns of what a claim is worth.
-CLAIMED = ("contraction", "nearer", *RANKS)
-#: Largest amplitude of the effects of training arms, in units of those of `Effects.drawn`.
-LARGEST_AMPLITUDE = 3.0
-
-
-# --- Training -----------------------------------------------------------------------------------------------------
 
 
 def _data(config: Config, law: str, unmodelled: bool) -> DataSettings:
@@ -69,7 +69,7 @@ def simulate_training(excitation: str, law: str, choice: Path, out: Path, config
     signals, n, proper = signal_settings(c), s["training_arms"], slice(program.n1, program.n2)
     rng = stream(s["seed"], Stream.STUDY_TRAINING_ARMS, int(law == "narrow"))
     beta = draw_law(law, rng, n, config)
-    effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, LARGEST_AMPLITUDE, n))
+    effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, 3.0, n))
     tracks, errors = [], []
     for one, arm in zip(record(c, beta, [program] * n, effects, "arms to train on"), beta, strict=True):
         if np.abs(one.q - program.q)[:, proper].max() > config["data"]["tracked"]["largest_error_rad"]:
@@ -80,19 +80,14 @@ def simulate_training(excitation: str, law: str, choice: Path, out: Path, config
         errors.append(error / np.sqrt(np.mean(error**2)))
     ideal = sampled_tracks([program.q], program, signals)
     tracked = sampled_tracks(tracks, program, signals, unmodelled=True, desired=True)
-    draws = draw_torques(rng, PRIOR_DRAWS, tracked, _data(config, law, unmodelled=False))[1]
+    draws = draw_torques(rng, 4000, tracked, _data(config, law, unmodelled=False))[1]
     covariance = np.cov(np.array(errors).T)
     white = np.eye(len(covariance)) * np.trace(covariance) / len(covariance)
-    kept = {
-        "ideal/torque": ideal.torque[0],
-        "ideal/model": ideal.model[0],
-        "tracked/torque": tracked.torque,
-        "tracked/model": tracked.model,
-        **{f"unmodelled/{name}": array for name, array in vars(tracked.unmodelled).items()},
-        "error_covariance": (1.0 - SHRINKAGE) * covariance + SHRINKAGE * white,
-        "prior_mean": draws.mean(axis=0),
-        "prior_covariance": np.cov(draws.T),
-    }
+    kept = {f"unmodelled/{name}": array for name, array in vars(tracked.unmodelled).items()}
+    kept |= {"ideal/torque": ideal.torque[0], "ideal/model": ideal.model[0]}
+    kept |= {"tracked/torque": tracked.torque, "tracked/model": tracked.model}
+    kept |= {"error_covariance": (1.0 - SHRINKAGE) * covariance + SHRINKAGE * white}
+    kept |= {"prior_mean": draws.mean(axis=0), "prior_covariance": np.cov(draws.T)}
     write_tensors(out, kept)
 
 
@@ -112,17 +107,14 @@ def train_reader(
     if network == FLOW:
         make = partial(Flow, mean=kept["prior_mean"], covariance=kept["prior_covariance"])
         save_posterior(weights, train_posterior(make, *posterior))
-        return
-    if network == POSTERIOR:
+    elif network == POSTERIOR:
         save_posterior(weights, train_posterior(PlainNetwork, *posterior))
-        return
-    settings = replace(training_settings(config), recipe="streamed", steps=s["cnn_steps"], warmup=s["cnn_steps"] // 10)
-    trained, _ = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
-    save_network(weights, trained, {})
-    Path(checkpoint).unlink(missing_ok=True)
-
-
-# --- Reading ------------------------------------------------------------------------------------------------------
+    else:
+        steps = s["cnn_steps"]
+        settings = replace(training_settings(config), recipe="streamed", steps=steps, warmup=steps // 10)
+        trained, _ = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
+        save_network(weights, trained, {})
+        Path(checkpoint).unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)
@@ -146,11 +138,8 @@ class Readers:
         sizes = signals.samples, config["study"]["posterior"]["width"]
         self._plain = load_posterior(weights[POSTERIOR], PlainNetwork(*sizes)) if POSTERIOR in weights else None
         self._flow = load_posterior(weights[FLOW], Flow(*sizes, *self._prior)) if FLOW in weights else None
-        self._cnn = {
-            name: for_the_arm(algorithm1_of(name, weights[name], config), config)
-            for name in SEARCHED
-            if name in weights
-        }
+        chosen = [name for name in SEARCHED if name in weights]
+        self._cnn = {name: for_the_arm(algorithm1_of(name, weights[name], config), config) for name in chosen}
 
     def read(self, recording: Recording, searched: bool, rng: np.random.Generator) -> Iterator[Reading]:
         """Read one recording by every method; Algorithm 1 only where it is to be searched."""
@@ -162,11 +151,10 @@ class Readers:
             mean, factor = read_torque(self._plain, prepared.alpha)
             yield Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
         if searched:
-            for name, image_motion in SEARCHED.items():
-                if name in self._cnn:
-                    yield self._searched(name, prepare_recording(recording, None, self._signals, image_motion), rng)
+            for name in self._cnn:
+                yield self._searched(name, prepare_recording(recording, None, self._signals, SEARCHED[name]), rng)
         if self._flow is not None:
-            normal = stream(self._seed, Stream.STUDY_FLOW).standard_normal((FLOW_DRAWS, 9))
+            normal = stream(self._seed, Stream.STUDY_FLOW).standard_normal((1000, 9))
             samples = unit * self._flow.sample(prepared.alpha, normal)
             yield Reading(FLOW, samples.mean(axis=0), samples=samples)
 
@@ -181,16 +169,16 @@ class Readers:
         if found.covariance is not None:
             deviation = np.sqrt(np.diag(found.covariance))
             below = ndtr((true - found.beta) / deviation)
-            samples = rng.multivariate_normal(found.beta, found.covariance, DRAWS, method="cholesky")
+            samples = rng.multivariate_normal(found.beta, found.covariance, 200, method="cholesky")
         elif samples is not None:
             deviation, below = samples.std(axis=0), (samples < true).mean(axis=0)
         else:
-            return dict.fromkeys(CLAIMED, np.nan)
+            return dict.fromkeys(("contraction", "nearer", *RANKS), np.nan)
         point = unit * self._prior[0] + spread * rng.standard_normal(9)
         far = np.linalg.norm((samples - point) / spread, axis=1)
         nearer = float((far < np.linalg.norm((true - point) / spread)).mean())
         contraction = float(np.mean(1.0 - (deviation / spread) ** 2))
-        return dict(zip(CLAIMED, (contraction, nearer, *below.tolist()), strict=True))
+        return {"contraction": contraction, "nearer": nearer, **dict(zip(RANKS, below.tolist(), strict=True))}
 
     def _generalised(self, prepared: PreparedSignals) -> Iterator[Reading]:
         """Least squares weighted by the covariance of the simulated torque errors, without and with the prior."""
@@ -217,12 +205,50 @@ class Readers:
 
 def _least_squares(regression: Regression) -> Iterator[Reading]:
     """Methods without simulations; the plain one with the interval of correlated errors."""
-    for name in LEAST_SQUARES:
-        beta = METHODS[name].estimate(regression).beta
-        if name != "ordinary":
-            yield Reading(name, beta)
-            continue
-        y, error = regression.y.reshape(-1, 9), regression.tau - regression.y @ beta
-        rows = max(2.0 * correlation_time(error, regression.h) / regression.h - 1.0, 1.0)
-        covariance = linalg.pinv(y.T @ y) * (rows * mean_variance(regression, beta))
-        yield Reading(name, beta, np.asarray(covariance, dtype=np.float64))
+    beta = METHODS["ordinary"].estimate(regression).beta
+    y, error = regression.y.reshape(-1, 9), regression.tau - regression.y @ beta
+    rows = max(2.0 * correlation_time(error, regression.h) / regression.h - 1.0, 1.0)
+    covariance = linalg.pinv(y.T @ y) * (rows * mean_variance(regression, beta))
+    yield Reading("ordinary", beta, np.asarray(covariance, dtype=np.float64))
+    for name in ("robust", "bounded", "consistent"):
+        yield Reading(name, METHODS[name].estimate(regression).beta)
+
+
+def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], config: Config) -> pd.DataFrame:
+    """Record the arms of a job's cells, and identify each by every method."""
+    own, rows, estimates = jobs(config)[job], [], list[tuple[Recording, Array, bool]]()
+    c = excitation_config(config, own[0].excitation)
+    program, kept = read_choice(choice, config, own[0].excitation)
+    arms = kept[f"arms/{own[0].prior}"]
+    readers = Readers(training, {path.stem: path for path in weights}, config, signal_settings(c))
+    recorded = specimens(config, own, program, arms)
+    for k, one in enumerate(over(recorded, f"identifying {len(recorded)} runs")):
+        rng = stream(config["study"]["seed"], Stream.STUDY_SEARCH, one.labels["arm"])
+        scores = Scores(one.recordings, c)
+        on_id, *others = scores.regressions
+        largest = float(np.abs(on_id.tau).max())  # N m, unit of priors and of errors of parameters
+        least_squares = least_squares_similarity(one.recordings[0], c)
+        searched = own[k // len(arms)].searched
+        for reading in (Reading("true", one.true), *readers.read(one.recordings[0], searched, rng)):
+            beta, row = reading.beta, {**one.labels, "method": reading.method, "least_squares": least_squares}
+            row |= scores(beta, metric_settings(c))
+            row["torque_error"] = float(np.mean([relative_rms(r, beta) for r in others]))
+            row["parameter_error"] = float(np.sqrt(np.mean((beta - one.true) ** 2))) / largest
+            rows.append({**row, **readers.judge(reading, one.true, largest, rng)})
+            estimates.append((one.recordings[1], beta, searched))
+    return pd.DataFrame(rows).assign(position_error=_position_errors(estimates, config)).round(5)
+
+
+def _position_errors(estimates: Sequence[tuple[Recording, Array, bool]], config: Config) -> Array:
+    """RMS difference of T1 as recorded and as Eq. 1 with the estimate moves in the same loop, rad; NaN if it cannot."""
+    every, betas, searched = zip(*estimates, strict=True)
+    # For time only cells that every method is run in.
+    able = FEASIBILITY["positive-definite"](np.stack(betas)) & np.array(searched)
+    errors = np.full(len(betas), np.nan)
+    if able.any():
+        motions = [every[k] for k in np.flatnonzero(able)]
+        desired = np.stack([motion.program.q for motion in motions])
+        position, _ = run_loop(config, np.stack(betas)[able], desired, "estimates", quick=True)
+        apart = position * RADIANS_PER_COUNT - np.stack([motion.q for motion in motions])
+        errors[able] = np.sqrt(np.mean(apart**2, axis=(1, 2)))
+    return errors
