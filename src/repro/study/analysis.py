@@ -106,7 +106,7 @@ CLAIMS = (
 
 
 def claims(outcomes: pd.DataFrame) -> pd.DataFrame:
-    """Each claim whose levels were run: centre and interval over arms, valid at once for all; conditions it is true in."""
+    """Each claim whose levels were run: centre and interval over arms, valid at once for all, and its conditions."""
     rows = []
     for claim in CLAIMS:
         values = claim.values(outcomes)
