@@ -14,7 +14,7 @@ from repro.model.stability import stability_constants
 from repro.paper.appendix import reproduced
 from repro.paper.metric_search import least_squares_torque
 from repro.paper.published import load_published
-from repro.pipeline.experiment import mechanical_parameters, read_recording, true_parameters
+from repro.pipeline.experiment import read_recording, true_parameters
 from repro.pipeline.identifications import tracking
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import metr2ev
@@ -76,7 +76,7 @@ def test_least_squares_scores_on_the_stored_run_what_table_10_prints():
 
 
 def test_the_arm_has_the_six_numbers_of_the_appendix():
-    mechanical = mechanical_parameters(CONFIG)
+    mechanical = np.array(CONFIG["arm"]["parameters"])
     assert list(reproduced(mechanical).values()) == [True] * 6
     assert f"{stability_constants(mechanical).lambda_q_min:.3f}" == "0.072"
     # Back-EMF is damping that Appendix A does not count: with it the printed numbers would be others.

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from experiment_example import changed, full_config
+from safetensors.numpy import load_file
 
 from repro.cnn.image import ImageSettings
 from repro.fpga.frames import RADIANS_PER_COUNT
@@ -15,9 +16,9 @@ from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline import simulated_arms
 from repro.pipeline.coverage import distances, novelty_limit
-from repro.pipeline.experiment import read_recording
+from repro.pipeline.experiment import program_from_config, read_recording
 from repro.pipeline.identifications import mean_training_torque
-from repro.pipeline.simulated_arms import read_tracked, sampled_tracks, simulate_tracked, training_motion
+from repro.pipeline.simulated_arms import sampled_tracks, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 
 pytestmark = pytest.mark.slow
@@ -119,6 +120,6 @@ def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tab
 
 def test_another_motion_is_unlike(motions):
     """The mirror image of a motion that arms track: as large, as fast, and none of them."""
-    training, arms = training_motion(CONFIG, motions).torque, read_tracked(motions, CONFIG)
-    mirrored = sampled_tracks(arms.position[:3, ::-1] * RADIANS_PER_COUNT, arms.program, SIGNALS)
+    training, position = training_motion(CONFIG, motions).torque, load_file(motions)["position"]
+    mirrored = sampled_tracks(position[:3, ::-1] * RADIANS_PER_COUNT, program_from_config(CONFIG, "ID"), SIGNALS)
     assert (distances(mirrored.torque, training) > novelty_limit(training)).all()

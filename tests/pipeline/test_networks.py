@@ -42,7 +42,7 @@ def test_the_card_states_when_the_loss_was_a_thousandth(tmp_path):
     (tmp_path / "weights").write_bytes(b"")
     losses = {"step": [1, 2, 3], "train_loss": 0.1, "test_loss": [5e-3, 9e-4, 8e-4]}
     history = pd.DataFrame({**losses, "seconds": [1.0, 20.0, 30.0]})
-    card = model_card(tmp_path / "weights", history, "float32", "", CONFIG)
+    card = model_card(tmp_path / "weights", history, "float32", CONFIG)
     assert "1e-3: step 2, after 20 s" in card
 
 

@@ -11,7 +11,7 @@ from safetensors.numpy import load_file, save_file
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.model.parameters import is_positive_definite
 from repro.pipeline import simulated_arms
-from repro.pipeline.experiment import mechanical_parameters, program_from_config, true_parameters
+from repro.pipeline.experiment import program_from_config, true_parameters
 from repro.pipeline.monte_carlo import chatters
 from repro.pipeline.simulated_arms import (
     draw_arms,
@@ -147,7 +147,7 @@ def test_every_seed_and_motion_comes_back(recorded):
 
 
 def test_an_arm_that_is_too_heavy_for_a_motion_is_left_out(monkeypatch):
-    true, mechanical = true_parameters(BRIEF), mechanical_parameters(BRIEF)
+    true, mechanical = true_parameters(BRIEF), np.array(BRIEF["arm"]["parameters"])
     motions = [program_from_config(BRIEF, name, seed) for name in MOTIONS for seed in BRIEF["spread"]["seeds"]]
     torque = np.max([peaks(motion, true)[1] for motion in motions], axis=0)
     full = (1.2 * torque / BRIEF["experiment"]["torque_share"]).tolist()

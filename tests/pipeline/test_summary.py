@@ -88,7 +88,7 @@ def test_a_block_of_one_run_is_of_the_seed_that_is_the_median_on_id_and_medians_
         for joint in (2, 1)
     ]
     columns = ["case", "method", "seed", "joint", "time", "frequency", "total"]
-    table = experiment_table(pd.DataFrame(rows, columns=columns), "ID")
+    table = experiment_table(pd.DataFrame(rows, columns=columns))
     assert list(table.columns) == SIMILARITY
     expected = {
         "algorithm1": (0.5, 0.8, 0.4, 0.4),

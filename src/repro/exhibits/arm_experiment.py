@@ -113,7 +113,7 @@ def table10(inputs: Inputs, _: Config) -> pd.DataFrame:
     the identification trajectory and on the validation motions: the median of the seeds and the spread over the seeds
     (Table 10). The true parameters' own score is the ceiling; refinement is an extension of ours.
     """
-    return experiment_table(read_scores(inputs["scores"], SCORES), CASE)
+    return experiment_table(read_scores(inputs["scores"], SCORES))
 
 
 #: Conditions for input-to-state stability of Appendix A.
@@ -155,7 +155,7 @@ def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Conditions of the appendix for input-to-state stability with the parameters that each method identified on the
     simulated arm.
     """
-    estimates = {**_estimates(inputs), "appendix": experiment.mechanical_parameters(config)}
+    estimates = {**_estimates(inputs), "appendix": np.array(config["arm"]["parameters"])}
     return stability_table(estimates, (*SHOWN_ON_ID, "true", "appendix"))
 
 

@@ -14,11 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
-
 #: Of a module's statements that define nothing.
 REST = ""
-#: Digest of a module without such statements.
-NOTHING = hashlib.sha256().hexdigest()
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class CodeDigests:
             ahead += [(module, name)] if name else self._whole(module)
         reached = sorted(self._reached(ahead))
         found = [(f"{module}:{name}", self._module(module).definitions[name][0]) for module, name in reached]
-        return [f"{name} {digest[:12]}" for name, digest in found if digest != NOTHING]
+        return [f"{name} {digest[:12]}" for name, digest in found if digest]
 
     def _reached(self, todo: list[tuple[str, str]]) -> set[tuple[str, str]]:
         """Definitions that can be come to from these, themselves among them."""
@@ -126,9 +123,9 @@ def parse(source: bytes) -> Module:
     names = {name: sorted({used for node in nodes for used in _used(node)}) for name, nodes in parts.items()}
     idle = imported.keys() - {used.split(".")[0] for node in tree.body for used in _used(node, annotations=True)}
     names[REST] += sorted(idle) + dotted  # imported for what loading does
-    digests = {name: "".join(ast.dump(node) for node in nodes) for name, nodes in parts.items()}
-    definitions = {name: (hashlib.sha256(text.encode()).hexdigest(), names[name]) for name, text in digests.items()}
-    return Module(definitions, imported)
+    texts = {name: "".join(map(ast.dump, nodes)).encode() for name, nodes in parts.items()}
+    digests = {name: hashlib.sha256(text).hexdigest() if text else "" for name, text in texts.items()}
+    return Module({name: (digest, names[name]) for name, digest in digests.items()}, imported)
 
 
 class _Bare(ast.NodeTransformer):

@@ -31,8 +31,6 @@ from repro.progress import over
 from repro.settings import signal_settings
 from repro.streams import Stream, stream
 
-#: Set of guesses of the recorded arm; those of simulated arms are 0 and up.
-OWN = 3
 #: Sets of test arms: name, whether their torque has more than Eq. 1, and the law they are drawn from. The arms that
 #: calibrate, number 0, are drawn like the second set.
 TESTED = (
@@ -40,8 +38,6 @@ TESTED = (
     (2, "unmodelled", True, draw_arms),
     (4, "other generator", True, draw_built_arms),
 )
-#: Row of the nine parameters together.
-TOGETHER = "all nine"
 #: Levels at which the distribution of the levels that reach the truth is kept.
 GRID = np.linspace(0.0, 1.0, 41)
 CENTRAL_FRACTION = 0.68  # central fraction of the estimates whose half range is the width
@@ -96,7 +92,7 @@ def novelty_limit(training: Array) -> float:
 def check_coverage(
     captures: Sequence[Path], weights: Path, motions: Path, mean_torque: Path, trained_as: str, config: Config
 ) -> list[pd.DataFrame]:
-    """Calibrate the network of tracked motions on arms that training never saw, with torque beyond Eq. 1; test others.
+    """Calibrate the network of tracked motions on arms beyond Eq. 1 that training never saw, and test it on others.
 
     Shares of arms that intervals cover, distributions of the levels that reach the truth, and intervals of the arm.
     """
@@ -118,11 +114,11 @@ def check_coverage(
 
     def simulated(which: int, effects: bool, draw: Draw) -> tuple[list[Recording], Array, Array]:
         """Recordings of arms, their estimates and their parameters; canonical time is the recorded one here."""
-        arms = simulate_arms(config, c["arms"], stream(c["seed"], Stream.COVERAGE_ARMS, which), effects, draw)
-        counts = zip(arms.position, arms.pwm, strict=True)
-        recordings = [Recording.of_counts(arms.program, *both, config) for both in counts]
+        rng = stream(c["seed"], Stream.COVERAGE_ARMS, which)
+        program, position, pwm, beta = simulate_arms(config, c["arms"], rng, effects, draw)
+        recordings = [Recording.of_counts(program, *both, config) for both in zip(position, pwm, strict=True)]
         prepared, found = read(which, recordings)
-        return recordings, found, arms.parameters / np.array([[one.torque_scale] for one in prepared])
+        return recordings, found, beta / np.array([[one.torque_scale] for one in prepared])
 
     def unlike(recordings: Sequence[Recording]) -> float:
         """Share whose motion is unlike those of the training."""
@@ -140,7 +136,7 @@ def check_coverage(
         shares.append(table.assign(warned=unlike(recordings)))
         ranks.append(_rank_shares(name, found, right, calibration))
     recordings = read_recordings(captures, config)
-    (prepared,), found = read(OWN, recordings)
+    (prepared,), found = read(3, recordings)  # a set of guesses that no simulated arms have
     centre, width = spread_of(found[0])
     own = {"centre": centre, "low": centre - factors[-1] * width, "high": centre + factors[-1] * width}
     own = {name: prepared.to_recorded_time(x * prepared.torque_scale) for name, x in own.items()}
@@ -153,8 +149,7 @@ def joint_factors(factors: Array, calibration: Array, levels: tuple[float, ...])
     """By how much more the intervals of each level are stretched so that all nine cover at once (split conformal)."""
     worst = np.sort((calibration[:, np.newaxis] / factors).max(axis=2), axis=0)  # (arms, levels)
     ranks = np.ceil((len(worst) + 1) * np.asarray(levels)).astype(int) - 1
-    stretched: Array = worst[ranks, np.arange(len(levels))]
-    return stretched
+    return np.asarray(worst[ranks, np.arange(len(levels))])
 
 
 def coverage_shares(
@@ -173,7 +168,7 @@ def coverage_shares(
         contraction = 1.0 - (width / stats.norm.ppf(0.5 + level / 2)) ** 2 / prior
         each = (NAMES, raw.mean(axis=0), stretched[i], factors[i], width, contraction)
         jointly = (missed <= together[i] * factors[i]).all(axis=1).mean()
-        both = (TOGETHER, raw.all(axis=1).mean(), jointly, together[i], np.nan, np.nan)
+        both = ("all nine", raw.all(axis=1).mean(), jointly, together[i], np.nan, np.nan)
         rows += [(name, of[0], level, *of[1:]) for of in (*zip(*each, strict=True), both)]
     columns = ["arms", "parameter", "level", "raw", "calibrated", "factor", "width", "contraction"]
     return pd.DataFrame(rows, columns=columns)
@@ -182,20 +177,13 @@ def coverage_shares(
 def _rank_shares(name: str, found: Array, right: Array, calibration: Array) -> pd.DataFrame:
     """Simulation-based calibration (Talts and others 2018): distribution of the level that first reaches the truth.
 
-    Of the range of the guesses that is twice the truth's rank off the middle; of the calibrated interval the rank of
-    what it misses by among the arms it was calibrated on. The distribution is uniform where levels are right.
+    Raw: twice the truth's rank off the middle of the guesses. Calibrated: the rank of the error among the arms that
+    calibrated. Where levels are right, the distribution is uniform.
     """
     n, missed, known = found.shape[1], normalised_errors(found, right), np.sort(calibration, axis=0)
     below = (found < right[:, np.newaxis]).sum(axis=1)  # (arms, 9), 0 to n
     ranks = [np.searchsorted(known[:, j], missed[:, j]) / len(known) for j in range(len(NAMES))]
     reached = {"raw": np.abs(2 * below - n) / n, "calibrated": np.stack(ranks, axis=1)}
-    return pd.DataFrame(
-        {
-            "arms": name,
-            "parameter": np.repeat(NAMES, len(GRID)),
-            "level": np.tile(GRID, len(NAMES)),
-            "number": len(right),
-            "known": len(known),
-            **{column: (at[..., np.newaxis] <= GRID).mean(axis=0).ravel() for column, at in reached.items()},
-        }
-    )
+    places = {"parameter": np.repeat(NAMES, len(GRID)), "level": np.tile(GRID, len(NAMES))}
+    shares = {column: (at[..., np.newaxis] <= GRID).mean(axis=0).ravel() for column, at in reached.items()}
+    return pd.DataFrame({"arms": name, **places, "number": len(right), "known": len(known), **shares})

@@ -32,14 +32,8 @@ from repro.streams import Stream, stream
 
 def control_constants(config: Config) -> ControlConstants:
     """Gains and motors of the board, from section ``board``."""
-    b = config["board"]
-    kp, kv, hz, full = (tuple(b[key]) for key in ("kp_nm_per_rad", "kv_nm_per_rad", "pwm_hz", "full_torque_nm"))
-    return ControlConstants(kp, kv, hz, full)
-
-
-def mechanical_parameters(config: Config) -> Array:
-    """Parameters of the simulated arm without its motors' back-EMF, shape (9,)."""
-    return np.array(config["arm"]["parameters"], dtype=np.float64)
+    keys = ("kp_nm_per_rad", "kv_nm_per_rad", "pwm_hz", "full_torque_nm")
+    return ControlConstants(*(tuple(config["board"][key]) for key in keys))
 
 
 def true_parameters(config: Config) -> Array:
@@ -47,20 +41,24 @@ def true_parameters(config: Config) -> Array:
 
     Back-EMF is a torque -k_e dq, which cannot be distinguished from viscous friction in a torque computed from the PWM.
     """
-    beta = mechanical_parameters(config)
+    beta = np.array(config["arm"]["parameters"], dtype=np.float64)
     beta[5:7] += config["arm"]["back_emf_nm_s_per_rad"]
     return beta
 
 
+def identification_settings(config: Config) -> TrajectorySettings:
+    """Lengths of ID, from sections ``signals`` and ``experiment``: no training depends on the arm."""
+    s, e = config["signals"], config["experiment"]
+    lengths = {"duration": s["duration_s"], "h": s["sampling_period_s"]}
+    return TrajectorySettings(**lengths, margin=e["margin_samples"], lead_in=e["lead_in_s"])
+
+
 def program_settings(config: Config) -> TrajectorySettings:
     """Lengths and filters of the motions, from sections ``signals``, ``arm`` and ``experiment``."""
-    s, e = config["signals"], config["experiment"]
-    return TrajectorySettings(
+    e = config["experiment"]
+    return replace(
+        identification_settings(config),
         geometry=ArmGeometry(*config["arm"]["link_lengths_m"]),
-        duration=s["duration_s"],
-        h=s["sampling_period_s"],
-        margin=e["margin_samples"],
-        lead_in=e["lead_in_s"],
         validation_samples=e["validation_samples"],
         t1_bands=e["random_bands"],
         t1_limit=e["random_range_rad"],
@@ -102,8 +100,7 @@ def metadata_for(program: ReferenceTrajectory, config: Config) -> CaptureMetadat
 
 def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
     """What Eq. 1 leaves out of one arm."""
-    a = config["arm"]
-    rng = stream(seed, Stream.PLANT)
+    a, rng = config["arm"], stream(seed, Stream.PLANT)
     phase = rng.uniform(0.0, 2.0 * np.pi, 2)
     stribeck, ripple = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2).tolist()
     levels = Unmodelled(
@@ -123,12 +120,8 @@ def board_from_config(config: Config, seed: int | None = None, make: type[Board]
     levels, phase = disturbance(config, seed)
     stated = {name: config["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
     effects = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(levels).items()}
-    arm = {**stated, **effects, "ripple_phase": phase.tolist(), "seed": seed}
-    return make(
-        lambda: Plant(beta, h, levels, phase),
-        control_constants(config).torque_per_count,
-        {"board": "simulated", "arm": arm},
-    )
+    identity = {"board": "simulated", "arm": {**stated, **effects, "ripple_phase": phase.tolist(), "seed": seed}}
+    return make(lambda: Plant(beta, h, levels, phase), control_constants(config).torque_per_count, identity)
 
 
 @dataclass(frozen=True)
@@ -142,9 +135,8 @@ class Recording:
     @classmethod
     def of_counts(cls, program: ReferenceTrajectory, position: Array, pwm: Array, config: Config) -> "Recording":
         """Recording of encoder and PWM counts."""
-        return cls(
-            program, position * RADIANS_PER_COUNT, pwm * control_constants(config).torque_per_count[:, np.newaxis]
-        )
+        per_count = control_constants(config).torque_per_count[:, np.newaxis]
+        return cls(program, position * RADIANS_PER_COUNT, pwm * per_count)
 
     def regression(self, signals: SignalSettings) -> Regression:
         """What methods solve: lines 1 to 4 of Algorithm 1."""
@@ -190,10 +182,8 @@ def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Reco
 def acquire(motion: str, out: Path, config: Config) -> None:
     """Put the capture of a motion at `out`: stored, simulated (in Python or in logic) or from a serial port."""
     e, program = config["experiment"], program_from_config(config, motion)
-    if e["source"] == "simulated":
-        simulate_capture(out, program, config)
-    elif e["source"] == "rtl":
-        simulate_capture(out, program, config, logic_board())
+    if e["source"] in ("simulated", "rtl"):
+        simulate_capture(out, program, config, logic_board() if e["source"] == "rtl" else Board)
     elif e["source"] == "serial":
         record_capture(out, e["port"], metadata_for(program, config), e["baud"], overwrite=True)
     else:
@@ -210,15 +200,14 @@ def acquire(motion: str, out: Path, config: Config) -> None:
             atomic_write(here, partial(shutil.copyfile, there))
 
 
-def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config, make: type[Board] = Board) -> Capture:
+def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config, make: type[Board]) -> None:
     """Capture of the simulated board run in this process, byte for byte what it sends over a line."""
     board, metadata = board_from_config(config, make=make), metadata_for(program, config)
     board.receive(metadata.program + encode_start(metadata.samples))
     if not board.running:
         raise InputError.at(f"simulated board: {program.name}", "; ".join(board.refusals), "a start")
-    progress = Progress(f"simulating {program.name}")
-    data = bytearray()
+    progress, data = Progress(f"simulating {program.name}"), bytearray()
     while board.running:
         data += board.tick()
         progress(len(data) // 8, metadata.samples)
-    return write_capture(out, bytes(data), replace(metadata, board=board.identity), overwrite=True)
+    write_capture(out, bytes(data), replace(metadata, board=board.identity), overwrite=True)

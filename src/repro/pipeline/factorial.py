@@ -5,7 +5,7 @@ on, the unit of omega in the filter, the motors' back-EMF, the time factor of th
 the reader (the image CNN with Algorithm 1, or a plain network that reads the torque). Blocks are specimens of the arm.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 from pathlib import Path
@@ -34,19 +34,14 @@ class Cell:
     image_motions: tuple[ImageMotion, ...]  # motions of line 18 that it is used with; of a plain network none
 
 
-def _cells() -> dict[str, Cell]:
-    """Networks by name. One trained on Eq. 10 alone serves both motions of line 18, which are equal there."""
-    found = {}
-    for omega in ("rad_per_s", "index"):
-        found[f"cnn-ideal-{omega}"] = Cell("cnn", "ideal", omega, ("measured", "desired"))
-        found[f"cnn-tracked-measured-{omega}"] = Cell("cnn", "tracked", omega, ("measured",))
-        found[f"cnn-tracked-desired-{omega}"] = Cell("cnn", "tracked", omega, ("desired",))
-        for motions in ("ideal", "tracked"):
-            found[f"plain-{motions}-{omega}"] = Cell("plain", motions, omega, ())
-    return found
-
-
-CELLS = _cells()
+#: Networks by name. One trained on Eq. 10 alone serves both motions of line 18, which are equal there.
+CELLS: dict[str, Cell] = {}
+for _omega in ("rad_per_s", "index"):
+    CELLS[f"cnn-ideal-{_omega}"] = Cell("cnn", "ideal", _omega, ("measured", "desired"))
+    CELLS[f"cnn-tracked-measured-{_omega}"] = Cell("cnn", "tracked", _omega, ("measured",))
+    CELLS[f"cnn-tracked-desired-{_omega}"] = Cell("cnn", "tracked", _omega, ("desired",))
+    for _motions in ("ideal", "tracked"):
+        CELLS[f"plain-{_motions}-{_omega}"] = Cell("plain", _motions, _omega, ())
 
 
 def configured(config: Config, cell: Cell, seed: int) -> dict[str, Any]:
@@ -82,20 +77,12 @@ def score_references(recordings: Path, config: Config) -> pd.DataFrame:
 
 
 #: Level of each factor that counts as high; an effect is high minus low.
-HIGH: Mapping[str, object] = {
-    "image_motion": "desired",
-    "training": "tracked",
-    "omega": "index",
-    "back_emf": "high",
-    "metric": "energy",
-    "reader": "plain",
-}
+HIGH = {"image_motion": "desired", "training": "tracked", "omega": "index", "back_emf": "high"}
+HIGH |= {"metric": "energy", "reader": "plain"}
 #: Factors of the image CNN with Algorithm 1, and of both readers.
 OF_CNN = ("image_motion", "training", "omega", "back_emf", "metric")
 OF_BOTH = ("reader", "training", "omega", "back_emf", "metric")
 RESPONSES = ("id", "validation", "error")
-#: Share of the distribution that an interval leaves out.
-OUTSIDE = 0.05
 
 
 def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str], response: str) -> pd.DataFrame:
@@ -104,18 +91,18 @@ def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str]
     The sign of a cell is the product over the factors of `effect`, +1 for the high level of each: for two factors the
     contrast is half the difference of their differences.
     """
-    cells = scores.groupby(["block", "training_seed", *factors])[response].mean().rename("value").reset_index()
+    cells = scores.groupby(["block", "training_seed", *factors])[response].mean().reset_index()
     sign = np.prod([np.where(cells[name] == HIGH[name], 1.0, -1.0) for name in effect], axis=0)
-    signed = cells.assign(side=np.where(sign > 0, "plus", "minus"))
-    means = signed.groupby(["block", "training_seed", "side"])["value"].mean().unstack("side")
+    sides = [cells["block"], cells["training_seed"], np.where(sign > 0, "plus", "minus")]
+    means = cells.groupby(sides)[response].mean().unstack()
     return (means["plus"] - means["minus"]).unstack("training_seed")
 
 
 def interval(values: Array) -> tuple[float, float, float]:
-    """Mean of blocks (rows) crossed with training seeds (columns), and its interval.
+    """Mean of blocks (rows) crossed with training seeds (columns), and its 95 % interval.
 
-    Blocks and seeds are both samples, so that the variance of the mean is that of the row means over their number plus
-    that of the column means over theirs; degrees of freedom by Welch and Satterthwaite.
+    Both are samples: the variances of the means of rows and of columns over their numbers add up; degrees of freedom by
+    Welch and Satterthwaite.
     """
     parts = [values.mean(axis=axis).var(ddof=1) / n for axis, n in ((1, len(values)), (0, values.shape[1])) if n > 1]
     freedom = [n - 1 for n in values.shape if n > 1]
@@ -125,17 +112,15 @@ def interval(values: Array) -> tuple[float, float, float]:
     degrees = variance**2 / sum(part**2 / f for part, f in zip(parts, freedom, strict=True))
     from scipy.stats import t as student  # noqa: PLC0415 (a quarter of a second, in each job that reads the workflow)
 
-    half = float(student.ppf(1 - OUTSIDE / 2, degrees) * np.sqrt(variance))
+    half = float(student.ppf(0.975, degrees) * np.sqrt(variance))
     return mean, mean - half, mean + half
 
 
 def effects(scores: pd.DataFrame) -> pd.DataFrame:
-    """Every main effect and every interaction of two factors, of the image CNN and of the reader.
+    """Every main effect and interaction of two factors on the columns of `repro.pipeline.networks.score_cell`.
 
-    From the columns of `repro.pipeline.networks.score_cell`. Columns ``of, effect, response, value, low,
-    high, blocks, training_seeds, confirmation``; `of` is ``cnn`` for Algorithm 1 with the image CNN, ``reader`` for the
-    plain network compared with it (over both motions of line 18), and ``reader, desired motion`` compared with its
-    better one.
+    In column `of` ``cnn`` is Algorithm 1, ``reader`` the plain network compared with it over both motions of line 18,
+    and ``reader, desired motion`` compared with its better one.
     """
     back_emf = np.where(scores["back_emf"] == scores["back_emf"].min(), "low", "high")
     leveled = scores.assign(back_emf=back_emf, block=scores["block"].astype(str))
@@ -147,23 +132,17 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
         ("reader", leveled, OF_BOTH, [("reader",), *(("reader", name) for name in OF_BOTH[1:])]),
         ("reader, desired motion", of_desired, OF_BOTH, [("reader",)]),
     ]
-    rows: list[dict[str, Any]] = []
+    rows = []
     for of, frame, factors, chosen in comparisons:
-        for effect in chosen:
-            for response in RESPONSES:
-                if response == "error" and "metric" in effect:
-                    continue  # an estimate does not depend on the metric
-                values = contrast(frame, factors, effect, response)
-                held_out = values.index == CONFIRMATION
-                mean, low, high = interval(values[~held_out].to_numpy())
-                rows.append(
-                    {
-                        "of": of, "effect": " x ".join(effect), "response": response, "value": mean, "low": low,
-                        "high": high, "blocks": int((~held_out).sum()), "training_seeds": values.shape[1],
-                        "confirmation": float(values[held_out].to_numpy().mean()),
-                    }
-                )  # fmt: skip
-    return pd.DataFrame(rows)
+        for effect, response in product(chosen, RESPONSES):
+            if response == "error" and "metric" in effect:
+                continue  # an estimate does not depend on the metric
+            values = contrast(frame, factors, effect, response)
+            held_out, own = values.index == CONFIRMATION, (of, " x ".join(effect), response)
+            estimated, confirmed = values[~held_out].to_numpy(), float(values[held_out].to_numpy().mean())
+            rows.append((*own, *interval(estimated), *estimated.shape, confirmed))
+    columns = ("of", "effect", "response", "value", "low", "high", "blocks", "training_seeds", "confirmation")
+    return pd.DataFrame(rows, columns=list(columns))
 
 
 def cell_means(scores: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
@@ -171,5 +150,4 @@ def cell_means(scores: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
     names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
     both = pd.concat([scores, references], ignore_index=True).fillna({"image_motion": "", "training": ""})
     both = both[both["block"].astype(str) != CONFIRMATION]
-    means = both.groupby(names, sort=False)[["id", "validation", "error", "met"]].mean()
-    return means.reset_index()
+    return both.groupby(names, sort=False)[["id", "validation", "error", "met"]].mean().reset_index()

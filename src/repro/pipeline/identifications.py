@@ -37,22 +37,15 @@ _LOG = logging.getLogger(__name__)
 
 #: The one case of the experiment's identifications: parameters come from this motion.
 CASE = "ID"
-#: Arms averaged for the mean training torque of fit2trt.
-MEAN_ARMS = 10_000
-#: Least squares that the numeric tests are identified by. Positive-definite inertia is left out: N2 and N3 violate it.
-NUMERIC_LEAST_SQUARES = ("least-squares", "bounded")
 #: Columns of the scores of the arm, and of the numeric arms.
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
 NUMERIC_SCORES = ("case", "method", "seed", "trajectory", "joint", "time", "frequency", "total")
 
 
-# --- Mean training torque -----------------------------------------------------------------------------------------
-
-
 def mean_training_torque(signals: SignalSettings, data: DataSettings, seed: int) -> Array:
     """Mean torque of the training data along the identification trajectory (centre of Fig. 9)."""
     motion = identification_trajectory(signals.duration, signals.h)
-    beta = sample_beta(stream(seed, Stream.TRAINING_ARMS), MEAN_ARMS, data.prior).mean(0)
+    beta = sample_beta(stream(seed, Stream.TRAINING_ARMS), 10_000, data.prior).mean(0)
     return inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
 
 
@@ -60,8 +53,7 @@ def mean_torque(config: Config) -> pd.DataFrame:
     """Mean training torque, which fit2trt needs, over time."""
     signals = signal_settings(config)
     joint1, joint2 = mean_training_torque(signals, data_settings(config), config["training"]["seed"])
-    time = identification_trajectory(signals.duration, signals.h).time
-    return pd.DataFrame({"time": time, "joint1": joint1, "joint2": joint2})
+    return pd.DataFrame({"time": sample_times(signals.duration, signals.h), "joint1": joint1, "joint2": joint2})
 
 
 def read_mean_torque(path: Path, signals: SignalSettings) -> Array:
@@ -74,11 +66,7 @@ def read_mean_torque(path: Path, signals: SignalSettings) -> Array:
     if wrong.any():
         line, column = np.argwhere(wrong)[0]
         raise InputError.at(f"{path}: line {line + 2}: {columns[column]}", "no finite number", "a torque in N m")
-    tau: Array = table.to_numpy(dtype=np.float64).T
-    return tau
-
-
-# --- Numeric arms -------------------------------------------------------------------------------------------------
+    return np.asarray(table.to_numpy(dtype=np.float64).T)
 
 
 def motion_of(trajectory: str, config: Config, seed: int) -> Motion:
@@ -101,11 +89,7 @@ def _arms(config: Config) -> Iterator[tuple[str, Array, Regression]]:
 
 
 def identify_arms(algorithm1: "Algorithm1", config: Config, tau_mean: Array, seed: int) -> dict[str, Any]:
-    """Identify every test arm by Algorithm 1, by its refinement, and by the refinement's controls.
-
-    For each arm its true parameters, and for each method the estimate, its similarity and its cost in images. Mean
-    torque of the training data of shape (2, N), N m.
-    """
+    """Identify every test arm by Algorithm 1, its refinement and the controls, with the mean training torque (2, N)."""
     arms: dict[str, Any] = {}
     for index, (name, beta, measured) in enumerate(over([*_arms(config)], f"{algorithm1.variant} image, seed {seed}")):
         streams = (stream(seed, kind, index) for kind in (Stream.SEARCH, Stream.REFINE, Stream.UNIFORM_SEARCH))
@@ -116,8 +100,8 @@ def identify_arms(algorithm1: "Algorithm1", config: Config, tau_mean: Array, see
 
 
 def least_squares_of_arms(config: Config) -> dict[str, Any]:
-    """Identify every test arm by least squares on the signals of Algorithm 1."""
-    arms = {name: _arm(beta, _least_squares(r, NUMERIC_LEAST_SQUARES)) for name, beta, r in _arms(config)}
+    """Identify every test arm by least squares on the signals of Algorithm 1; N2 and N3 have no definite inertia."""
+    arms = {name: _arm(beta, _least_squares(r, ("least-squares", "bounded"))) for name, beta, r in _arms(config)}
     return {"variant": "least-squares", "seed": 0, "arms": arms}
 
 
@@ -146,9 +130,6 @@ def score_estimates(runs: Sequence[Mapping[str, Any]], config: Config, metric: M
 def score_numeric(identifications: Sequence[Path], config: Config) -> pd.DataFrame:
     """Similarity of every estimate of the numeric arms, on the identification and the validation trajectories."""
     return score_estimates(read_identifications(identifications), config, metric_settings(config))
-
-
-# --- Recordings of the arm ----------------------------------------------------------------------------------------
 
 
 def prepare_recording(
@@ -217,21 +198,11 @@ def tracking(recording: Recording, metric: MetricSettings) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(SCORES))
 
 
-# --- Files --------------------------------------------------------------------------------------------------------
-
-
-def _check_arms(path: Path, arms: object) -> None:
-    """Refuse arms without true parameters or estimates, by the field at fault."""
-    if not isinstance(arms, dict) or not arms:
-        raise InputError.at(f"{path}: arms", "no arm", "at least one")
-    for case, arm in arms.items():
-        place, fields = f"{path}: arms.{case}", arm if isinstance(arm, dict) else {}
-        _check_nine(f"{place}.true", fields.get("true"))
-        methods = fields.get("methods")
-        if not isinstance(methods, dict) or not methods:
-            raise InputError.at(f"{place}.methods", "no method", "at least one")
-        for method, estimate in methods.items():
-            _check_nine(f"{place}.methods.{method}.beta", estimate.get("beta") if isinstance(estimate, dict) else None)
+def _entries(place: str, value: object, what: str) -> dict[str, dict[str, Any]]:
+    """Objects of an object read from JSON, which must have some; what is no object counts as an empty one."""
+    if not isinstance(value, dict) or not value:
+        raise InputError.at(place, f"no {what}", "at least one")
+    return {name: entry if isinstance(entry, dict) else {} for name, entry in value.items()}
 
 
 def _check_nine(place: str, value: object) -> None:
@@ -254,7 +225,11 @@ def read_identifications(paths: Sequence[Path]) -> list[dict[str, Any]]:
         run = read_json(path)
         if not isinstance(run, dict) or not {"seed", "variant", "arms"} <= run.keys():
             raise InputError.at(str(path), "no identification result", "fields seed, variant, arms")
-        _check_arms(path, run["arms"])
+        for case, arm in _entries(f"{path}: arms", run["arms"], "arm").items():
+            place = f"{path}: arms.{case}"
+            _check_nine(f"{place}.true", arm.get("true"))
+            for method, estimate in _entries(f"{place}.methods", arm.get("methods"), "method").items():
+                _check_nine(f"{place}.methods.{method}.beta", estimate.get("beta"))
         runs.append(run)
     return every_seed(runs)
 
@@ -266,7 +241,6 @@ def read_scores(paths: Sequence[Path], columns: tuple[str, ...] = NUMERIC_SCORES
         for column in ("time", "frequency", "total"):
             wrong = ~pd.to_numeric(frame[column], errors="coerce").between(0, 1)
             if wrong.any():
-                line = int(wrong.to_numpy().argmax()) + 2
-                found = frame[column][wrong].iloc[0]
-                raise InputError.at(f"{path}: line {line}: {column}", found, "a number from 0 to 1")
+                row = int(wrong.to_numpy().argmax())
+                raise InputError.at(f"{path}: line {row + 2}: {column}", frame[column][row], "a number from 0 to 1")
     return pd.concat(frames, ignore_index=True)

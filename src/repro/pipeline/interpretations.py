@@ -18,8 +18,7 @@ class Variant:
 
     question: str  # what is left open
     name: str  # this way
-    # sections and keys of the configuration that differ from the default
-    change: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    change: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # of sections and keys of the configuration
     network: str = "published"  # network that it starts from
     of: str = ""  # reading whose network it uses, where it needs none of its own
     longer: int = 1  # factor on the steps of the training
@@ -27,7 +26,10 @@ class Variant:
 
 _OMEGA, _SCHEDULE, _MOTIONS = "omega in Eq. 6 and 14", "training recipe", "training motions"
 _NORMALISED = ("divided by its maximum (Eq. 8)", {"signals": {"normalise_motion": True}})
-_UNMODELLED = {"stribeck": 0.5, "ripple": 0.05, "noise": 0.03, "delay_s": 0.002}
+_BEYOND = {"data": {"unmodelled": {"stribeck": 0.5, "ripple": 0.05, "noise": 0.03, "delay_s": 0.002}}}
+_DEFINITE = {"algorithm1": {"feasibility": "positive-definite"}}
+_UP_TO_1 = {"algorithm1": {"guess_high": 1.0}}
+_ENERGY = {"metric": {"time_formula": "energy"}}
 
 #: By the name of their files; the first is what every other one is compared with.
 VARIANTS: dict[str, Variant] = {
@@ -44,24 +46,13 @@ VARIANTS: dict[str, Variant] = {
     "tracked": Variant(_MOTIONS, "as arms track Eq. 10 (ours)", network="tracked"),
     "tracked-measured": Variant(_MOTIONS, "f of the image on the measured motion", network="tracked-measured"),
     "tracked-few": Variant(_MOTIONS, "of 40 arms instead of 320", {"data": {"tracked": {"arms": 40}}}, "tracked"),
-    "tracked-unmodelled": Variant(
-        _MOTIONS, "with torque beyond Eq. 1", {"data": {"unmodelled": _UNMODELLED}}, "tracked"
-    ),
+    "tracked-unmodelled": Variant(_MOTIONS, "with torque beyond Eq. 1", _BEYOND, "tracked"),
     "tracked-constant": Variant(_MOTIONS, "Z1 divided by a constant", {"image": {"scale": "constant"}}, "tracked"),
     "tracked-normalised": Variant(_MOTIONS, *_NORMALISED, "tracked"),
     "tracked-longer": Variant(_MOTIONS, "twice the steps", network="tracked", longer=2),
-    "tracked-guesses": Variant(
-        "guesses of line 17", "up to 1, tracked motions", {"algorithm1": {"guess_high": 1.0}}, "tracked", "tracked"
-    ),
-    "metric-energy": Variant(
-        "time factor of metr2ev", "energy ratio", {"metric": {"time_formula": "energy"}}, of="default"
-    ),
-    "check-definite": Variant(
-        "physically possible",
-        "positive-definite inertia",
-        {"algorithm1": {"feasibility": "positive-definite"}},
-        of="default",
-    ),
+    "tracked-guesses": Variant("guesses of line 17", "up to 1, tracked motions", _UP_TO_1, "tracked", "tracked"),
+    "metric-energy": Variant("time factor of metr2ev", "energy ratio", _ENERGY, of="default"),
+    "check-definite": Variant("physically possible", "positive-definite inertia", _DEFINITE, of="default"),
     "limit-20": Variant("L_exe", "20 guesses", {"algorithm1": {"inner_limit": 20}}, of="default"),
     "limit-1000": Variant("L_exe", "1000 guesses", {"algorithm1": {"inner_limit": 1000}}, of="default"),
 }
@@ -73,7 +64,7 @@ def network_files(reading: str) -> tuple[str, str]:
     owner = VARIANTS[own]
     if owner.change or owner.longer > 1:
         return f"ablation/{own}.safetensors", f"ablation/{own}.csv"
-    suffix = "" if owner.network == "published" else f"-{owner.network}"
+    suffix = f"-{owner.network}".removesuffix("-published")
     return f"model/cnn{suffix}.safetensors", f"model/training{suffix}.csv"
 
 
@@ -84,10 +75,10 @@ def configuration_of(config: Config, reading: Variant) -> dict[str, Any]:
     return changed
 
 
-#: What is said of the arm: the literal search on ID and T1 to T4, and on T1 to T4 what it is held against.
+#: What is reported of the arm: the literal search on ID and T1 to T4, and on T1 to T4 what it is compared with.
 ARM = ("arm_id", "arm_validation", "arm_refined", "arm_least_squares", "arm_true")
-#: What the figure shows of each reading.
-HEADLINES = ("id_mean", "validation_mean", *ARM)
+#: What a reading is measured by, and what the figure shows of it.
+MEASURED, HEADLINES = ("id_mean", "id_lowest", "validation_mean", *ARM), ("id_mean", "validation_mean", *ARM)
 
 
 def ablation_table(results: Sequence[Mapping[str, Any]], histories: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -97,8 +88,7 @@ def ablation_table(results: Sequence[Mapping[str, Any]], histories: Sequence[pd.
         steps, loss = history[["step", "test_loss"]].iloc[-1]
         own = {"question": reading.question, "reading": reading.name, "steps": int(steps), "held_out_loss": loss}
         rows.append({**own, **result})
-    columns = ["question", "reading", "steps", "held_out_loss", "id_mean", "id_lowest", "validation_mean", *ARM]
-    return pd.DataFrame(rows)[columns]
+    return pd.DataFrame(rows)[["question", "reading", "steps", "held_out_loss", *MEASURED]]
 
 
 def ablation_figure(table: pd.DataFrame) -> pd.DataFrame:

@@ -5,7 +5,7 @@ import logging
 import shutil
 import sys
 from collections.abc import Iterator, Mapping, MutableMapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -43,11 +43,10 @@ def _is_relevant(record: logging.LogRecord) -> bool:
 @contextmanager
 def job(log: str, threads: int = 1) -> Iterator[None]:
     """Run a rule's work."""
-    lock = share_lock() if STATE.is_dir() else None
-    path = Path(log)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    lock: AbstractContextManager[object] = share_lock() if STATE.is_dir() else nullcontext()
+    Path(log).parent.mkdir(parents=True, exist_ok=True)
     root = logging.getLogger()
-    to_file, to_terminal = logging.FileHandler(path, mode="w"), logging.StreamHandler(sys.stderr)
+    to_file, to_terminal = logging.FileHandler(log, mode="w"), logging.StreamHandler(sys.stderr)
     to_file.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
     logging.getLogger("repro").setLevel(logging.INFO)
     for handler in (to_file, to_terminal):
@@ -58,7 +57,8 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
         torch.set_num_threads(threads)
         torch.set_deterministic_debug_mode("error")  # use_deterministic_algorithms loads a compiler for a second
     try:
-        yield
+        with lock:
+            yield
     except InputError as error:
         root.error("%s", error)
         raise SystemExit(2) from None
@@ -68,8 +68,6 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
         print(f"failed: the traceback is in {log}", file=sys.stderr)
         raise SystemExit(1) from None
     finally:
-        if lock:
-            lock.close()
         root.removeHandler(to_terminal)
         root.removeHandler(to_file)
         to_file.close()

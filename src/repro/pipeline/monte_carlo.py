@@ -5,6 +5,7 @@ an arm count once. The difference of a pair of methods has one value per arm; al
 """
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -23,8 +24,7 @@ EQUIVALENT = 0.005
 #: Probability of one false statement in a family of pairs.
 FAMILY_LEVEL = 0.05
 BETTER, WORSE, SAME, OPEN = "better", "worse", "equivalent", "open"
-#: Sets of arms that each comparison is made on.
-ALL, STEADY = "all", "without chatter"
+ALL = "all"  # the larger of the two sets of arms that are compared
 COMPARISON_COLUMNS = (
     "set", "duration", "method", "opponent", "arms", "wins", "difference", "low", "high", "p", "p_holm", "conclusion",
 )  # fmt: skip
@@ -56,13 +56,12 @@ class Scores:
 def comparisons(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
     """Compare each method with each opponent, for each duration, on all arms and on those whose loop is steady.
 
-    `scores` has columns ``case, joint, method, duration, arm, chatter, total``; the result has `COMPARISON_COLUMNS`,
-    differences as fractions of 1. A family is the pairs of one set and duration.
+    A family is the pairs of one set of arms and one duration.
     """
     of_arms = scores[scores["case"] != "ID"].groupby(["duration", "arm", "chatter", "method"])["total"].mean().unstack()
-    pairs = [(method, opponent) for method in methods for opponent in opponents]
-    rows = []
-    for name, kept in ((ALL, of_arms), (STEADY, of_arms[of_arms.index.get_level_values("chatter") == 0])):
+    pairs, rows = [*product(methods, opponents)], []
+    steady = of_arms[of_arms.index.get_level_values("chatter") == 0]
+    for name, kept in ((ALL, of_arms), ("without chatter", steady)):
         for duration, family in kept.groupby("duration"):
             differences = [(family[method] - family[opponent]).to_numpy() for method, opponent in pairs]
             p = np.array([_signed_rank_p(d) for d in differences])
@@ -93,9 +92,8 @@ def _signed_rank_p(differences: Array) -> float:
 def holm(p: Array) -> Array:
     """Adjust the p values of a family (Holm 1979): the k-th smallest of m times m - k + 1, never below an earlier."""
     order = np.argsort(p)
-    adjusted = np.empty(len(p))
-    adjusted[order] = np.minimum(1.0, np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1)))
-    return adjusted
+    adjusted = np.minimum(1.0, np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1)))
+    return adjusted[np.argsort(order)]
 
 
 def interval(x: Array, level: float) -> tuple[float, float, float]:

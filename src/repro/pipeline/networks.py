@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from repro.cnn.network import load_network, on_this_processor, save_network
 from repro.cnn.plain import (
@@ -37,10 +36,10 @@ from repro.pipeline.identifications import (
     score_estimates,
     score_runs,
 )
-from repro.pipeline.interpretations import VARIANTS, configuration_of
+from repro.pipeline.interpretations import MEASURED, VARIANTS, configuration_of
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import Scores, chatters
-from repro.pipeline.simulated_arms import describe_motions, read_blocks, read_spread, training_motion
+from repro.pipeline.simulated_arms import read_blocks, read_spread, training_motion
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, model_card, network_name, take_stored
 from repro.progress import Progress, over
 from repro.settings import (
@@ -56,8 +55,6 @@ from repro.settings import (
 from repro.signals.metric import TorqueScorer
 from repro.streams import Stream, stream
 
-# --- Networks of the tables ---------------------------------------------------------------------------------------
-
 
 def train_network(
     suffix: str, weights: Path, history: Path, card: Path, checkpoint: str, config: Config, motions: Path | None = None
@@ -69,7 +66,7 @@ def train_network(
         return
     table = train_and_keep(name, weights, history, checkpoint, config, motions)
     precision = on_this_processor(training_settings(config).precision)
-    write_text(card, model_card(weights, table, precision, describe_motions(config), config))
+    write_text(card, model_card(weights, table, precision, config))
 
 
 def train_and_keep(
@@ -77,9 +74,8 @@ def train_and_keep(
 ) -> pd.DataFrame:
     """Train a network, saying how far it is; write its weights and its history, and return this with its seconds."""
     motion, progress = training_motion(config, motions), Progress(f"training, {name}")
-    settings = training_settings(config)
-    sizes = network_settings(config)
-    network, table = train(motion, data_settings(config), sizes, settings, Path(checkpoint), progress)
+    settings = data_settings(config), network_settings(config), training_settings(config)
+    network, table = train(motion, *settings, Path(checkpoint), progress)
     save_network(weights, network, {CONFIGURATION: configuration_digest(config)})
     write_csv(history, table.drop(columns="seconds"))
     Path(checkpoint).unlink(missing_ok=True)
@@ -150,9 +146,6 @@ def score_spread(
     return table[["case", "joint", "method", "duration", "arm", "chatter", "seed", "time", "frequency", "total"]]
 
 
-# --- Interpretations of the paper ---------------------------------------------------------------------------------
-
-
 def train_variant(trained: str, weights: Path, history: Path, tracked: Path, checkpoint: str, config: Config) -> None:
     """Write weights and history of a network that no table has."""
     reading = VARIANTS[trained]
@@ -161,10 +154,7 @@ def train_variant(trained: str, weights: Path, history: Path, tracked: Path, che
 
 
 def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: Config) -> dict[str, float]:
-    """Headline numbers under a reading.
-
-    Of the numeric arms and of the literal search on the arm they are medians of the seeds; one seed is refined.
-    """
+    """Headline numbers under a reading: medians of the seeds, of which one is refined on the arm."""
     # Every reading is refined, whatever its network is used for elsewhere.
     c = {**configuration_of(config, VARIANTS[reading]), "refinement": config["refinement"]}
     signals, metric, seeds = signal_settings(c), metric_settings(c), c["ablation"]["seeds"]
@@ -183,19 +173,9 @@ def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: C
     by_seed = scores[scores["method"] == "algorithm1"].assign(on_id=scores["case"] == CASE)
     means = scores[scores["case"] != CASE].groupby("method")["total"].mean()
     medians = by_seed.groupby(["on_id", "seed"])["total"].mean().groupby("on_id").median()
-    return {
-        "id_mean": float(cells["ID"].mean()),
-        "id_lowest": float(cells["ID"].min()),
-        "validation_mean": float(cells["validation"].mean()),
-        "arm_id": float(medians[True]),
-        "arm_validation": float(medians[False]),
-        "arm_refined": float(means["algorithm1+refinement"]),
-        "arm_least_squares": float(means["least-squares"]),
-        "arm_true": float(means["true"]),
-    }
-
-
-# --- Factorial ----------------------------------------------------------------------------------------------------
+    numeric = (cells["ID"].mean(), cells["ID"].min(), cells["validation"].mean())
+    arm = (medians[True], medians[False], *means[["algorithm1+refinement", "least-squares", "true"]])
+    return dict(zip(MEASURED, map(float, (*numeric, *arm)), strict=True))
 
 
 def plain_settings(p: Mapping[str, Any]) -> PlainSettings:
@@ -219,11 +199,10 @@ def train_cell(
 def search_under(
     reader: ResidualEstimator, prepared: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
 ) -> tuple[dict[str, tuple[Array, int]], Array]:
-    """`search` and `select` of Algorithm 1 under both metrics from one reading of all guesses.
+    """`search` and `select` of Algorithm 1 under both metrics from one reading of all guesses, and the first estimates.
 
     An execution's guesses do not depend on the metric, only where it ends, so that the rest is left out afterwards.
-    Returns for each metric the parameters and how many executions met the threshold, and each execution's first
-    estimate.
+    For each metric the parameters and the number of executions that met the threshold.
     """
     count, limit = settings.executions, settings.inner_limit
     guesses = np.stack([s.uniform(settings.low, settings.high, (limit, 9)) for s in rng.spawn(count)])
@@ -233,9 +212,7 @@ def search_under(
     for name, metric in METRICS.items():
         n_e = np.where(possible, TorqueScorer(prepared.alpha, prepared.y_sub, metric)(beta).total.mean(-1), 0.0)
         met = n_e >= settings.threshold
-        until_met: NDArray[np.bool_] = (
-            np.cumsum(met, axis=1) - met == 0
-        )  # up to and with the first that meets the threshold
+        until_met = np.equal(np.cumsum(met, axis=1), met)  # up to and with the first that meets the threshold
         selected = select(beta[possible & until_met], prepared, replace(settings, metric=metric))
         results[name] = (selected.beta, int(met.any(axis=1).sum()))
     return results, beta[:, 0]

@@ -30,8 +30,6 @@ from repro.documents import read_json, read_yaml
 from repro.files import write_csv, write_json
 
 PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
-
-
 #: Targets that `all` does not make: what they made is kept from their own run if another one has none.
 ASKED_FOR = ("ablation", "paper_recipe", "factorial")
 
@@ -68,36 +66,23 @@ def host_fingerprint() -> dict[str, str]:
 
 def write_provenance(path: Path, folder: Path, cores: int | None, fingerprint: Mapping[str, str]) -> None:
     """Write the sidecar after a run that succeeded."""
-    content = {
-        "commit": commit(folder),
-        "cores": cores,
-        "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-        "machine": f"{platform.machine()} {platform.system()}",
-        "contract": held(os.environ),
-        "fingerprint": dict(fingerprint),
-        "packages": package_versions(),
-        "python": platform.python_version(),
-    }
-    write_json(path, content)
+    made = {"commit": commit(folder), "finished": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")}
+    host = {"machine": f"{platform.machine()} {platform.system()}", "cores": cores, "fingerprint": dict(fingerprint)}
+    programs = {"contract": held(os.environ), "packages": package_versions(), "python": platform.python_version()}
+    write_json(path, made | host | programs)  # with sorted keys
 
 
 def recorded_fingerprint(results: Path) -> dict[str, str] | None:
     """Fingerprint of the host that made a run, from its sidecar; None if it has none."""
-    for path in (results / "logs/provenance.json", results / "provenance.json"):
-        if path.exists():
-            content = read_json(path)
-            found = content.get("fingerprint") if isinstance(content, dict) else None
-            return found if isinstance(found, dict) else None
-    return None
+    paths = [path for path in (results / "logs/provenance.json", results / "provenance.json") if path.exists()]
+    content = read_json(paths[0]) if paths else None
+    found = content.get("fingerprint") if isinstance(content, dict) else None
+    return found if isinstance(found, dict) else None
 
 
 def config_digest(config: Mapping[str, Any]) -> str:
     """Compute the SHA-256 of a configuration's values."""
     return hashlib.sha256(json.dumps(config, sort_keys=True).encode()).hexdigest()
-
-
-#: A commit as `commit` gives it.
-_COMMIT = re.compile("[0-9a-f]{40}(-dirty)?")
 
 
 def changed_settings(results: Path, config: Mapping[str, Any], root: Path) -> list[str]:
@@ -108,9 +93,9 @@ def changed_settings(results: Path, config: Mapping[str, Any], root: Path) -> li
     """
     problems, copy = [], results / "config.yaml"
     if copy.exists():
-        kept = read_yaml(copy, "a configuration file")
-        for place in sorted({*_leaves(kept), *_leaves(config)}):
-            theirs, ours = (_leaves(each).get(place, "nothing") for each in (kept, config))
+        kept, given = (_leaves(each) for each in (read_yaml(copy, "a configuration file"), config))
+        for place in sorted({*kept, *given}):
+            theirs, ours = (leaves.get(place, "nothing") for leaves in (kept, given))
             if theirs != ours:
                 problems.append(f"{copy}: {place}: found {theirs}, expected {ours}, as in the configuration")
     for path in (results / f"{target}.json" for target in ASKED_FOR):
@@ -119,7 +104,9 @@ def changed_settings(results: Path, config: Mapping[str, Any], root: Path) -> li
         content: Any = read_json(path)
         made = content if isinstance(content, dict) else {}
         found, digest = str(made.get("commit")), made.get("config_sha256")
-        of_commit = _config_of(found.removesuffix("-dirty"), root) if _COMMIT.fullmatch(found) else {}
+        of_commit = (
+            _config_of(found.removesuffix("-dirty"), root) if re.fullmatch("[0-9a-f]{40}(-dirty)?", found) else {}
+        )
         if of_commit == {}:
             problems.append(f"{path}: commit: found {found[:60]!r}, expected a commit of the project")
         allowed = [config_digest(each) for each in (config, of_commit) if each]
@@ -140,8 +127,7 @@ def _config_of(name: str, root: Path) -> dict[str, Any] | None:
     """Read the configuration of a commit: empty if the whole history has none, None if only a part of it is here."""
     text = _git(root, "show", f"{name}:./config/config.yaml")
     if text is not None:
-        content: dict[str, Any] = yaml.safe_load(text)
-        return content
+        return dict(yaml.safe_load(text))
     return {} if _git(root, "rev-parse", "--is-shallow-repository") == "false" else None
 
 
@@ -187,48 +173,38 @@ def _job(name: str, records: Mapping[Path, Any], results: Path) -> Job:
     return Job(name, rule, tuple(filter(Path.exists, inputs)), tuple(sorted(records)), started, ended, usage)
 
 
-def needed(jobs: Mapping[str, Job], name: str) -> dict[str, Job]:
-    """A job and all whose files it hangs on, however far."""
-    makers = {path: job for job in jobs.values() for path in job.outputs}
-    found: dict[str, Job] = {}
-    ahead = [jobs[name]]
-    while ahead:
-        job = ahead.pop()
-        if job.name not in found:
-            found[job.name] = job
-            ahead += [makers[path] for path in job.inputs if path in makers]
-    return found
-
-
-COST_COLUMNS = ("jobs", "minutes", "cpu_minutes", "memory_mib", "disk_mb")
-
-
 def write_costs(results: Path, jobs: Mapping[str, Job]) -> None:
     """Write one row for each claim, if the ledger is there, beside the provenance: times differ from run to run."""
     claims = results / "claims.csv"
     if LEDGER in jobs and claims in jobs[LEDGER].outputs:
         ledger = pd.read_csv(claims, keep_default_na=False)[["id", "target"]]
-        costs = {target: cost(jobs, target) for target in ledger["target"].unique()}
-        rows = pd.DataFrame([costs[target] for target in ledger["target"]], columns=list(COST_COLUMNS))
+        costs = {target: _cost(jobs, target) for target in ledger["target"].unique()}
+        columns = ["jobs", "minutes", "cpu_minutes", "memory_mib", "disk_mb"]
+        rows = pd.DataFrame([costs[target] for target in ledger["target"]], columns=columns)
         write_csv(results / "logs/costs.csv", ledger.join(rows))
 
 
-def cost(jobs: Mapping[str, Job], target: str) -> tuple[float, ...]:
+def _cost(jobs: Mapping[str, Job], target: str) -> tuple[float, ...]:
     """Number of jobs, their minutes one after another, the largest memory, and what their files fill on disk.
 
     What no job of its own makes, a setting or arithmetic, costs the ledger's own job; what only hardware can tell, NaN.
     """
     if not target:
-        return (math.nan,) * len(COST_COLUMNS)
-    makers = [job for job in jobs.values() if target in {job.name, *(path.stem for path in job.outputs)}]
-    found = needed(jobs, makers[0].name) if makers and target != LEDGER else {LEDGER: jobs[LEDGER]}
+        return (math.nan,) * 5
+    own = [job for job in jobs.values() if target in {job.name, *(path.stem for path in job.outputs)}]
+    makers = {path: job for job in jobs.values() for path in job.outputs} if own and target != LEDGER else {}
+    ahead, found = [own[0] if makers else jobs[LEDGER]], dict[str, Job]()
+    while ahead:
+        job = ahead.pop()
+        if job.name not in found:
+            found[job.name] = job
+            ahead += [makers[path] for path in job.inputs if path in makers]
     wall, cpu, memory = ([job.usage.get(column, 0.0) for job in found.values()] for column in UNITS)
     size = sum(path.stat().st_size for job in found.values() for path in job.outputs)
     return len(found), sum(wall) / 60, sum(cpu) / 60, max(memory), size / 1e6
 
 
 RECORD = "ro-crate-metadata.json"
-PROJECT = "arcp://name,repro/"
 LICENCE = "https://creativecommons.org/licenses/by/4.0/"
 #: What the record says, in words of schema.org and a few of others.
 SCHEMA = """
@@ -272,51 +248,33 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
     files = {path: _file(path, results) for path in sorted(produced | given | {snakefile, sidecar})}
     programs = [_entity(f"#package-{name}", "SoftwareApplication", name, version=v) for name, v in packages.items()]
     rules = [_entity(f"#rule-{rule}", "SoftwareApplication", rule, version=commit) for rule in {j.rule for j in jobs}]
-    files[snakefile] |= {
-        "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"],
-        "programmingLanguage": {"@id": "#snakemake"},
-        "hasPart": _refs(rules),
-        "softwareRequirements": _refs(programs),
-        "version": commit,
-    }
+    files[snakefile] |= {"@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"], "version": commit}
+    files[snakefile] |= {"programmingLanguage": {"@id": "#snakemake"}}
+    files[snakefile] |= {"hasPart": _refs(rules), "softwareRequirements": _refs(programs)}
 
     def action(key: str, title: str, by: str, job: Job) -> Entity:
-        start, end = (datetime.datetime.fromtimestamp(t, datetime.UTC) for t in (job.started, job.ended))
-        return _entity(
-            key,
-            "CreateAction",
-            title,
-            instrument={"@id": by},
-            object=_refs(files[path] for path in job.inputs),
-            result=_refs(files[path] for path in job.outputs),
-            startTime=start.isoformat(timespec="seconds"),
-            endTime=end.isoformat(timespec="seconds"),
-        )
+        times = (datetime.datetime.fromtimestamp(t, datetime.UTC) for t in (job.started, job.ended))
+        start, end = (time.isoformat(timespec="seconds") for time in times)
+        read, made = (_refs(files[path] for path in paths) for paths in (job.inputs, job.outputs))
+        done = _entity(key, "CreateAction", title, instrument={"@id": by}, object=read, result=made)
+        return done | {"startTime": start, "endTime": end}
 
     main, times = files[snakefile]["@id"], [time for job in jobs for time in (job.started, job.ended)]
     run = Job("run", "", tuple(given), (*produced, sidecar), min(times), max(times), {})
     actions, usages = [action("#run", f"run of commit {commit}", main, run)], []
     for job in jobs:
+        key = f"#job-{job.name}"
         used = [
-            _entity(f"#job-{job.name}-{name}", "PropertyValue", name, propertyID=name, value=v, unitText=UNITS[name])
-            for name, v in job.usage.items()
+            _entity(f"{key}-{name}", "PropertyValue", name, propertyID=name, value=value, unitText=UNITS[name])
+            for name, value in job.usage.items()
         ]
-        done = action(f"#job-{job.name}", job.name, f"#rule-{job.rule}", job)
-        actions.append({**done, "resourceUsage": _refs(used)})
+        actions.append({**action(key, job.name, f"#rule-{job.rule}", job), "resourceUsage": _refs(used)})
         usages += used
     profiles = [_entity(key, "CreativeWork", name, version=key.split("/")[-1]) for key, name in PROFILES.items()]
-    root = _entity(
-        "./",
-        "Dataset",
-        "Results of a reproduction",
-        description="Tables, figures and numbers, with the jobs that made them and what these took.",
-        datePublished=provenance["finished"],
-        license={"@id": LICENCE},
-        conformsTo=_refs(profiles),
-        mainEntity={"@id": main},
-        hasPart=_refs(files.values()),
-        mentions=_refs(actions),
-    )
+    what = "Tables, figures and numbers, with the jobs that made them and what these took."
+    root = _entity("./", "Dataset", "Results of a reproduction", description=what, license={"@id": LICENCE})
+    root |= {"datePublished": provenance["finished"], "conformsTo": _refs(profiles), "mainEntity": {"@id": main}}
+    root |= {"hasPart": _refs(files.values()), "mentions": _refs(actions)}
     conforms = {"@id": "https://w3id.org/ro/crate/1.1"}
     graph = [
         _entity(RECORD, "CreativeWork", "Record of the run", about={"@id": "./"}, conformsTo=conforms),
@@ -339,7 +297,7 @@ def _file(path: Path, results: Path) -> Entity:
     """A file by the name that the project knows it by."""
     absolute, crate, project = (Path(os.path.abspath(p)) for p in (path, results, ""))  # noqa: PTH100 - links stay
     name = absolute.relative_to(project).as_posix() if absolute.is_relative_to(project) else None
-    key = absolute.as_uri() if name is None else PROJECT + quote(name)
+    key = absolute.as_uri() if name is None else f"arcp://name,repro/{quote(name)}"
     if absolute.is_relative_to(crate):
         key = quote(absolute.relative_to(crate).as_posix())
     with path.open("rb") as content:

@@ -7,6 +7,8 @@ effects and its random motion T1.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +28,7 @@ from repro.pipeline.experiment import (
     Recording,
     control_constants,
     disturbance,
+    identification_settings,
     limits,
     program_from_config,
     true_parameters,
@@ -38,7 +41,6 @@ from repro.signals.programs import (
     PROGRAMS,
     VALIDATION,
     ReferenceTrajectory,
-    TrajectorySettings,
     identification_reference,
     peaks,
 )
@@ -49,20 +51,8 @@ from repro.streams import Stream, stream
 Draw = Callable[[np.random.Generator, int, Config], Array]
 #: Counts that a board sends.
 Counts = NDArray[np.int16]
-#: Arms drawn for each that the Monte Carlo study wants.
-DRAWN = 8
 #: Name of the factorial's block that no effect is estimated from: an arm and a specimen frozen before, scored once.
 CONFIRMATION = "confirmation"
-
-
-@dataclass(frozen=True)
-class Tracked:
-    """Arms and how they tracked Eq. 10."""
-
-    program: ReferenceTrajectory  # the motion that was sent
-    position: Counts  # of encoder and PWM
-    pwm: Counts
-    parameters: Array  # of each arm
 
 
 def _stored(path: Path, expected: str) -> Callable[[str, tuple[int, ...]], NDArray[Any]]:
@@ -77,54 +67,44 @@ def _stored(path: Path, expected: str) -> Callable[[str, tuple[int, ...]], NDArr
     return first
 
 
-# --- Closed-loop motions to train on ------------------------------------------------------------------------------
+def _links(rng: np.random.Generator, n: int) -> Array:
+    """Law of the arms that networks are trained on."""
+    return sample_beta(rng, n, "links")
 
 
-def draw_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
-    """Physical arms that the motors can carry and the loop can hold."""
-    return _draw_held(lambda: sample_beta(rng, 4 * n, "links"), n, config)
+def _built(rng: np.random.Generator, n: int) -> Array:
+    """Arms as somebody builds them: rods with a motor at the elbow and a load at the tip, friction a share of gravity.
+
+    A second generator, that neither trains nor calibrates anything: other laws for lengths, masses and friction.
+    """
+    l1, l2 = rng.uniform(0.1, 0.35, (2, n))
+    rod1, rod2 = rng.uniform(0.4, 1.2, n) * l1, rng.uniform(0.4, 1.2, n) * l2  # kg, 0.4 to 1.2 kg/m
+    motor, load = rng.uniform(0.05, 0.3, n), rng.uniform(0.0, 0.25, n)
+    m1, m2 = rod1 + motor, rod2 + load
+    lc1, lc2 = l1 * (rod1 / 2 + motor) / m1, l2 * (rod2 / 2 + load) / m2
+    j1 = rod1 * l1**2 / 12 + rod1 * (l1 / 2 - lc1) ** 2 + motor * (l1 - lc1) ** 2
+    j2 = rod2 * l2**2 / 12 + rod2 * (l2 / 2 - lc2) ** 2 + load * (l2 - lc2) ** 2
+    inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
+    viscous, coulomb = rng.uniform(0.02, 0.2, (2, n, 2)) * inertial[np.newaxis, :, 3:5]  # of gravity
+    return np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
 
 
-def _draw_held(draw: Callable[[], Array], n: int, config: Config) -> Array:
-    """The first `n` drawn arms that the motors can carry and the loop can hold."""
+def draw_arms(
+    rng: np.random.Generator, n: int, config: Config, law: Callable[[np.random.Generator, int], Array] = _links
+) -> Array:
+    """The first `n` arms of a law that the motors can carry and the loop can hold."""
     t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
     arms = np.empty((0, 9))
     while len(arms) < n:
-        beta = draw()
-        g1, g2, k1, k2 = beta[:, 3], beta[:, 4], beta[:, 7], beta[:, 8]
+        beta = law(rng, 4 * n)
+        g1, g2, k1, k2 = beta[:, [3, 4, 7, 8]].T
         load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
         fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
         arms = np.concatenate([arms, beta[fit]])
     return arms[:n]
 
 
-def draw_built_arms(rng: np.random.Generator, n: int, config: Config) -> Array:
-    """Arms as somebody builds them: rods with a motor at the elbow and a load at the tip, friction a share of gravity.
-
-    A second generator, that neither trains nor calibrates anything: other laws for lengths, masses and friction.
-    """
-
-    def draw() -> Array:
-        l1, l2 = rng.uniform(0.1, 0.35, (2, 4 * n))
-        rod1, rod2 = rng.uniform(0.4, 1.2, 4 * n) * l1, rng.uniform(0.4, 1.2, 4 * n) * l2  # kg, 0.4 to 1.2 kg/m
-        motor, load = rng.uniform(0.05, 0.3, 4 * n), rng.uniform(0.0, 0.25, 4 * n)
-        m1, m2 = rod1 + motor, rod2 + load
-        lc1, lc2 = l1 * (rod1 / 2 + motor) / m1, l2 * (rod2 / 2 + load) / m2
-        j1 = rod1 * l1**2 / 12 + rod1 * (l1 / 2 - lc1) ** 2 + motor * (l1 - lc1) ** 2
-        j2 = rod2 * l2**2 / 12 + rod2 * (l2 / 2 - lc2) ** 2 + load * (l2 - lc2) ** 2
-        inertial = inertial_from_links(Links(m1, m2, l1, lc1, lc2, j1, j2))
-        viscous, coulomb = rng.uniform(0.02, 0.2, (2, 4 * n, 2)) * inertial[np.newaxis, :, 3:5]  # of gravity
-        return np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
-
-    return _draw_held(draw, n, config)
-
-
-def _program(config: Config) -> ReferenceTrajectory:
-    s, e = config["signals"], config["experiment"]  # without the arm's section, on which no training depends
-    lengths = TrajectorySettings(
-        duration=s["duration_s"], h=s["sampling_period_s"], margin=e["margin_samples"], lead_in=e["lead_in_s"]
-    )
-    return identification_reference(lengths)
+draw_built_arms: Draw = partial(draw_arms, law=_built)
 
 
 def run_loop(
@@ -157,39 +137,28 @@ def is_within_limits(config: Config, beta: Array, program: ReferenceTrajectory) 
 
 def simulate_arms(
     config: Config, count: int, rng: np.random.Generator, effects: bool = True, draw: Draw = draw_arms
-) -> Tracked:
-    """Simulate arms as one batch and keep those that track."""
-    t, program = config["data"]["tracked"], _program(config)
+) -> tuple[ReferenceTrajectory, Counts, Counts, Array]:
+    """Simulate arms as one batch; gives what they were sent, and counts and parameters of those that track."""
+    t, program = config["data"]["tracked"], identification_reference(identification_settings(config))
     drawn = count + count // 4 + 1
     beta = draw(rng, drawn, config)
-    levels = rng.uniform(0.0, [t["stribeck"], t["ripple_nm"]], (drawn, 2)) * effects
-    unmodelled = [
-        Unmodelled(stribeck=(s, s), ripple=(a, a), ripple_cycles=t["ripple_cycles"]) for s, a in levels.tolist()
-    ]
+    levels = (rng.uniform(0.0, [t["stribeck"], t["ripple_nm"]], (drawn, 2)) * effects).tolist()
+    unmodelled = [Unmodelled(stribeck=(s, s), ripple=(a, a), ripple_cycles=t["ripple_cycles"]) for s, a in levels]
     phase = rng.uniform(0.0, 2.0 * np.pi, (drawn, 2))
     position, pwm = run_loop(config, beta, program.q, unmodelled=unmodelled, phase=phase)
     kept = np.flatnonzero(tracks(config, position, program))[:count]
     if len(kept) < count:
         found = f"{len(kept)} of {drawn} arms that track"
         raise InputError.at("data.tracked.largest_error_rad", found, f"{count}: a larger error")
-    return Tracked(program, position[kept], pwm[kept], beta[kept])
+    return program, position[kept], pwm[kept], beta[kept]
 
 
 def simulate_tracked(config: Config, out: Path) -> None:
     """Simulate the arms whose motions a network is trained on, and keep them."""
     t = config["data"]["tracked"]
-    arms = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
-    kept = {name: getattr(arms, name) for name in ("position", "pwm", "parameters")}
-    write_tensors(out, {**kept, "desired": arms.program.q.astype(np.float32)})
-
-
-def read_tracked(path: Path, config: Config) -> Tracked:
-    """Arms of a file of `simulate_tracked`: the first ``data.tracked.arms`` of them."""
-    program, arms = _program(config), config["data"]["tracked"]["arms"]
-    kept = _stored(path, "motions of `simulate_tracked`")
-    sent = replace(program, q=kept("desired", program.q.shape).astype(np.float64))
-    position, pwm = (kept(name, (arms, *sent.q.shape)) for name in ("position", "pwm"))
-    return Tracked(sent, position, pwm, kept("parameters", (arms, 9)))
+    program, position, pwm, beta = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
+    desired = program.q.astype(np.float32)
+    write_tensors(out, {"position": position, "pwm": pwm, "parameters": beta, "desired": desired})
 
 
 def sampled_tracks(
@@ -208,25 +177,17 @@ def sampled_tracks(
     return stack_motions([sampled(q, unmodelled) for q in positions], sampled(program.q).model if desired else None)
 
 
-def describe_motions(config: Config) -> str:
-    """What motions a network is trained on, in words for its model card."""
-    if config["data"]["motions"] == "ideal":
-        return "Eq. 10 exactly"
-    t, shown = config["data"]["tracked"], config["algorithm1"]["image_motion"]
-    return f"Eq. 10 as {t['arms']} simulated arms track it (seed {t['seed']}); f of the image on the {shown} motion"
-
-
 def training_motion(config: Config, tracked: Path | None = None) -> SampledMotion:
-    """Motions that a network is trained on."""
+    """Motions that a network is trained on: Eq. 10, or of `simulate_tracked` the first ``data.tracked.arms``."""
     signals, unmodelled = signal_settings(config), any(config["data"]["unmodelled"].values())
     if config["data"]["motions"] == "ideal":
         return sample_motion(identification_trajectory(signals.duration, signals.h), signals, unmodelled=unmodelled)
-    arms = read_tracked(tracked or Path(), config)
+    stored = _stored(tracked or Path(), "motions of `simulate_tracked`")
+    program = identification_reference(identification_settings(config))
+    sent = replace(program, q=stored("desired", program.q.shape).astype(np.float64))
+    position = stored("position", (config["data"]["tracked"]["arms"], *sent.q.shape))
     desired = config["algorithm1"]["image_motion"] == "desired"
-    return sampled_tracks(arms.position * RADIANS_PER_COUNT, arms.program, signals, unmodelled, desired)
-
-
-# --- Specimens ----------------------------------------------------------------------------------------------------
+    return sampled_tracks(position * RADIANS_PER_COUNT, sent, signals, unmodelled, desired)
 
 
 @dataclass(frozen=True)
@@ -245,7 +206,7 @@ Programs = Mapping[str, Sequence[ReferenceTrajectory]]
 
 def _simulate_specimens(config: Config, seeds: Sequence[int], beta: Array, programs: Programs) -> dict[str, Any]:
     """Parameters (n, 9) of specimens and their counts on each motion, simulated as one batch, which shares substeps."""
-    desired = [program.q for of_motion in programs.values() for program in of_motion]
+    desired = [program.q for program in chain(*programs.values())]
     longest = max(q.shape[-1] for q in desired)
     held = np.stack([np.pad(q, ((0, 0), (0, longest - q.shape[-1])), mode="edge") for q in desired])
     levels, phases = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
@@ -272,25 +233,21 @@ def _read_specimens(
     return [Specimen(*each) for each in zip(seeds, labels, true, zip(*recordings, strict=True), strict=True)]
 
 
-# --- Many arms ----------------------------------------------------------------------------------------------------
-
-
 def spread_arms(config: Config) -> Array:
     """Arms of the spread: that of section ``arm``, and others that can do the same motions."""
     count = config["spread"]["arms"]
     programs = _spread_programs(config, *range(len(config["spread"]["durations_s"])))
     fastest = min((own[0] for name, own in programs.items() if "ID" in name), key=lambda motion: motion.q.shape[1])
-    drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), DRAWN * count, config)
+    drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), 8 * count, config)
     drawn[:, 5:7] += config["arm"]["back_emf_nm_s_per_rad"]  # all arms have the same motors
-    for program in (program for of_motion in programs.values() for program in of_motion):
+    for program in chain(*programs.values()):
         drawn = drawn[is_within_limits(config, drawn, program)]
     arms = np.stack([true_parameters(config), *drawn])
     tracked = tracks(config, run_loop(config, arms, fastest.q)[0], fastest)  # the loop of a light arm may diverge
     tracked[0] = True  # the arm of the captures
     if tracked.sum() < count:
-        raise InputError.at("spread.arms", count, f"at most {tracked.sum()}, of {DRAWN * count} drawn ones that can")
-    kept: Array = arms[tracked][:count]
-    return kept
+        raise InputError.at("spread.arms", count, f"at most {tracked.sum()}, of {8 * count} drawn ones that can")
+    return np.asarray(arms[tracked][:count])
 
 
 def _spread_programs(config: Config, *indices: int) -> Programs:
@@ -317,11 +274,8 @@ def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
     return _read_specimens(path, config, seeds, labels, _spread_programs(config, index))
 
 
-# --- Blocks of the factorial --------------------------------------------------------------------------------------
-
-
 def _blocks(config: Config) -> tuple[list[int], list[dict[str, Any]], Programs]:
-    """Seeds, labels and motions of every specimen with both back-EMFs; the specimens have the arms in turn."""
+    """Seeds, labels and motions of every specimen with both back-EMFs; the arms take turns."""
     f = config["factorial"]
     names = [(seed, str(seed), ("first", "second")[k % 2]) for k, seed in enumerate(f["specimens"])]
     names.append((f["confirmation_specimen"], CONFIRMATION, CONFIRMATION))

@@ -1,6 +1,7 @@
 """Tables over all seeds: the median seed with the spread over the seeds, and both time factors of the metric."""
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import pandas as pd
@@ -31,41 +32,26 @@ def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(method=method).sort_values(["method", "case"], kind="stable").astype({"method": str})
 
 
-#: Methods of Table 10 that have a block of one run too, under the name of the method with this ending.
-SINGLE_RUNS, ONE_RUN = ("algorithm1", "algorithm1+tracked"), "/one-run"
-
-
-def experiment_table(scores: pd.DataFrame, identified_on: str) -> pd.DataFrame:
-    """Table 10: median seed of each cell, and for some methods one run.
-
-    A cell shows the median seed of its own motion and joint, so that no single run gives a whole block of medians. All
-    cells of a block of one run have the seed whose similarity on `identified_on` is the median.
-
-    From columns ``case, method, seed, joint, time, frequency, total``.
-    """
+def experiment_table(scores: pd.DataFrame) -> pd.DataFrame:
+    """Table 10: `median_cells`, and for some methods one run, of the seed whose similarity on ID is the median."""
     cells = median_cells(scores)
-    chosen = median_seeds(scores[scores["case"] == identified_on].assign(trajectory="ID"))
+    chosen = median_seeds(scores[scores["case"] == CASE].assign(trajectory="ID"))
     blocks = [cells]
-    for method in SINGLE_RUNS:
-        if (identified_on, method) not in chosen:
-            continue
-        run = scores[(scores["method"] == method) & (scores["seed"] == chosen[identified_on, method])]
-        blocks.append(run.assign(method=method + ONE_RUN, total_sd=0.0, seeds=1).sort_values("joint")[cells.columns])
+    for (_, method), seed in chosen.items():
+        if method in ("algorithm1", "algorithm1+tracked"):
+            run = scores[(scores["method"] == method) & (scores["seed"] == seed)].sort_values("joint")
+            blocks.append(run.assign(method=f"{method}/one-run", total_sd=0.0, seeds=1)[cells.columns])
     return _ordered(pd.concat(blocks, ignore_index=True))
 
 
 def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
-    """Median seed of each case, method and joint, on one trajectory (Tables 6 and 7).
-
-    From columns ``case, method, seed, joint, time, frequency, total``.
-    """
+    """Median seed of each case, method and joint, on one trajectory (Tables 6 and 7)."""
     rows = []
     for key, group in scores.groupby(["case", "method", "joint"], sort=True):
-        case, method, joint = list(key)
         row = group.sort_values(["total", "seed"], kind="stable").iloc[len(group) // 2]
         # Equal values have no spread; rounding of their mean would leave one.
         sd = float(group["total"].std(ddof=1)) if group["total"].nunique() > 1 else 0.0
-        rows.append((case, method, joint, row["time"], row["frequency"], row["total"], sd, len(group)))
+        rows.append((*key, row["time"], row["frequency"], row["total"], sd, len(group)))
     columns = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
     return _ordered(pd.DataFrame(rows, columns=columns))
 
@@ -73,25 +59,17 @@ def median_cells(scores: pd.DataFrame) -> pd.DataFrame:
 def parameter_table(
     identifications: Sequence[Mapping[str, Any]], scores: pd.DataFrame, cases: Sequence[str]
 ) -> pd.DataFrame:
-    """Table 4 or 5: true and identified parameters.
-
-    Columns ``case, method, parameter, unit, true, estimate, estimate_sd``: the median seed's estimate and the standard
-    deviation over the seeds.
-    """
+    """Table 4 or 5: true parameters, the median seed's estimates, and their standard deviation over the seeds."""
     chosen = median_seeds(scores)
     rows = []
-    for case in cases:
-        for method in TABLE_METHODS:
-            arms = [(run["seed"], run["arms"][case]) for run in identifications]
-            runs = {seed: arm for seed, arm in arms if method in arm["methods"]}
-            if not runs:
-                continue
-            estimates = pd.DataFrame([arm["methods"][method]["beta"] for arm in runs.values()], columns=list(NAMES))
-            shown = runs[chosen[case, method]]
+    for case, method in product(cases, TABLE_METHODS):
+        arms = {run["seed"]: run["arms"][case] for run in identifications if method in run["arms"][case]["methods"]}
+        if arms:
+            estimates = pd.DataFrame([arm["methods"][method]["beta"] for arm in arms.values()])
             sd = estimates.std(ddof=1).where(estimates.nunique() > 1, 0.0)
-            for k, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True)):
-                estimate = shown["methods"][method]["beta"][k]
-                rows.append((case, method, name, unit, shown["true"][k], estimate, sd[name]))
+            shown = arms[chosen[case, method]]
+            each = zip(NAMES, UNITS, shown["true"], shown["methods"][method]["beta"], sd, strict=True)
+            rows += [(case, method, *parameter) for parameter in each]
     columns = ["case", "method", "parameter", "unit", "true", "estimate", "estimate_sd"]
     return _ordered(pd.DataFrame(rows, columns=columns))
 
@@ -108,15 +86,10 @@ def both_metrics(
     recordings: Sequence[Recording],
     config: Config,
 ) -> pd.DataFrame:
-    """Means of the median cells under each formula; the estimates were searched for with the configured one.
-
-    Columns `BOTH_METRICS`: totals of N1 to N4 on both motions, of the arm on ID (each joint) and over T1 to T4, and
-    the frequency factor of the arm, which both formulas share.
-    """
-    signals, rows = signal_settings(config), []
+    """Means of the median cells under each formula; the estimates were searched for with the configured one."""
+    signals, rows, cell = signal_settings(config), [], ["method", "case", "joint"]
     for formula in TIME_FORMULAS:
         metric = MetricSettings(formula, config["metric"]["exponent"])
-        cell = ["method", "case", "joint"]
         of_arm = score_runs(arm, recordings, signals, metric)
         of_arm = of_arm.groupby(cell)[["frequency", "total"]].median().reset_index()
         of_numbers = score_estimates(numeric, config, metric)

@@ -35,7 +35,10 @@ def cells(config: Config) -> list[Cell]:
     s = config["study"]
     factors = [enumerate(s[name]) for name in ("excitations", "discrepancies", "priors", "frictions")]
     numbered = [zip(*each, strict=True) for each in product(*factors)]
-    return [Cell(*levels, searched=sum(numbers) % s["cnn_fraction"] == 0) for numbers, levels in numbered]
+    return [
+        Cell(**dict(zip(FACTORS, levels, strict=True)), searched=sum(numbers) % s["cnn_fraction"] == 0)
+        for numbers, levels in numbered
+    ]
 
 
 def jobs(config: Config) -> dict[str, list[Cell]]:
