@@ -1,10 +1,8 @@
 """The code that a job reaches, a digest for each definition: Snakemake runs a job again if one of them changes.
 
-Each digest is a parameter of its rule, so that the reason which Snakemake prints names the definitions that changed.
-
-Definitions are followed by name. A function counts with the functions, classes and constants that it names, in whatever
-module of the package they stand, each by its syntax tree without docstrings; statements that define nothing count with
-every definition of their module.
+Each digest is a parameter of its rule, so that the reason which Snakemake prints names the definitions that changed. A
+definition counts with those that it names, in any module of the package, each by its syntax tree without docstrings;
+statements that define nothing count with every definition of their module.
 """
 
 import ast

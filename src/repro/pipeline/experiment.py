@@ -37,10 +37,7 @@ def control_constants(config: Config) -> ControlConstants:
 
 
 def true_parameters(config: Config) -> Array:
-    """Parameters of Eq. 1 that the PWM torque of the simulated arm obeys, shape (9,).
-
-    Back-EMF is a torque -k_e dq, which cannot be distinguished from viscous friction in a torque computed from the PWM.
-    """
+    """Parameters (9,) that the PWM torque of the simulated arm obeys, in which back-EMF acts as viscous friction."""
     beta = np.array(config["arm"]["parameters"], dtype=np.float64)
     beta[5:7] += config["arm"]["back_emf_nm_s_per_rad"]
     return beta
@@ -85,8 +82,7 @@ def program_from_config(
     if name not in PROGRAMS:
         raise InputError.at("motion", repr(name), f"one of {', '.join(PROGRAMS)}")
     settings = program_settings(config)
-    if duration is not None:
-        settings = replace(settings, duration=duration)
+    settings = settings if duration is None else replace(settings, duration=duration)
     rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
     return permitted_trajectory(name, settings, rng, true_parameters(config), limits(config))
 

@@ -1,8 +1,7 @@
-"""The factorial: factors, cells and blocks, methods without a network, and the effects of the factors.
+"""The factorial: its cells, methods without a network, and effects of the factors; blocks are specimens of the arm.
 
-Factors, each with two levels: the motion that f of the image is taken on (line 18), the motions a network is trained
-on, the unit of omega in the filter, the motors' back-EMF, the time factor of the metric (in search and scores), and
-the reader (the image CNN with Algorithm 1, or a plain network that reads the torque). Blocks are specimens of the arm.
+Factors of two levels: the motion of line 18, the motions of the training, the unit of omega in the filter, the motors'
+back-EMF, the time factor of the metric in search and scores, and the reader: Algorithm 1, or a plain network.
 """
 
 from collections.abc import Sequence
@@ -88,8 +87,7 @@ RESPONSES = ("id", "validation", "error")
 def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str], response: str) -> pd.DataFrame:
     """Mean over the cells with a positive sign minus that over the others, of each block (row) and seed (column).
 
-    The sign of a cell is the product over the factors of `effect`, +1 for the high level of each: for two factors the
-    contrast is half the difference of their differences.
+    A cell's sign is the product over the factors of `effect`, so that for two it is half the difference of differences.
     """
     cells = scores.groupby(["block", "training_seed", *factors])[response].mean().reset_index()
     sign = np.prod([np.where(cells[name] == HIGH[name], 1.0, -1.0) for name in effect], axis=0)

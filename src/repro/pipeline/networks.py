@@ -9,14 +9,7 @@ import numpy as np
 import pandas as pd
 
 from repro.cnn.network import load_network, on_this_processor, save_network
-from repro.cnn.plain import (
-    PlainNetwork,
-    PlainSettings,
-    load_posterior,
-    read_torque,
-    save_posterior,
-    train_posterior,
-)
+from repro.cnn.plain import PlainNetwork, PlainSettings, load_posterior, read_torque, save_posterior, train_posterior
 from repro.cnn.train import train
 from repro.files import write_csv, write_text
 from repro.identification.algorithm1.preprocessing import PreparedSignals

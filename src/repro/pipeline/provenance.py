@@ -104,9 +104,8 @@ def changed_settings(results: Path, config: Mapping[str, Any], root: Path) -> li
         content: Any = read_json(path)
         made = content if isinstance(content, dict) else {}
         found, digest = str(made.get("commit")), made.get("config_sha256")
-        of_commit = (
-            _config_of(found.removesuffix("-dirty"), root) if re.fullmatch("[0-9a-f]{40}(-dirty)?", found) else {}
-        )
+        is_commit = re.fullmatch("[0-9a-f]{40}(-dirty)?", found)  # as `commit` gives it
+        of_commit = _config_of(found.removesuffix("-dirty"), root) if is_commit else {}
         if of_commit == {}:
             problems.append(f"{path}: commit: found {found[:60]!r}, expected a commit of the project")
         allowed = [config_digest(each) for each in (config, of_commit) if each]

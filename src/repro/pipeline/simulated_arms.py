@@ -1,8 +1,6 @@
 """Arms simulated behind the board: those that a network is trained on, many of a Monte Carlo study, and a factorial's.
 
-Training on closed-loop motions (``data.motions: tracked``) is an extension: the paper trains on Eq. 10 exactly and
-says that a recorded motion need not be identical to it (Section VI). A specimen is one arm with its share of unmodelled
-effects and its random motion T1.
+Training on closed-loop motions (``data.motions: tracked``) is an extension: the paper trains on Eq. 10 exactly.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -37,13 +35,7 @@ from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.dct import SignalSettings
-from repro.signals.programs import (
-    PROGRAMS,
-    VALIDATION,
-    ReferenceTrajectory,
-    identification_reference,
-    peaks,
-)
+from repro.signals.programs import PROGRAMS, VALIDATION, ReferenceTrajectory, identification_reference, peaks
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
 
@@ -73,10 +65,7 @@ def _links(rng: np.random.Generator, n: int) -> Array:
 
 
 def _built(rng: np.random.Generator, n: int) -> Array:
-    """Arms as somebody builds them: rods with a motor at the elbow and a load at the tip, friction a share of gravity.
-
-    A second generator, that neither trains nor calibrates anything: other laws for lengths, masses and friction.
-    """
+    """Law that nothing is trained on: rods with a motor at the elbow, a load at the tip, friction a share of gravity."""
     l1, l2 = rng.uniform(0.1, 0.35, (2, n))
     rod1, rod2 = rng.uniform(0.4, 1.2, n) * l1, rng.uniform(0.4, 1.2, n) * l2  # kg, 0.4 to 1.2 kg/m
     motor, load = rng.uniform(0.05, 0.3, n), rng.uniform(0.0, 0.25, n)
@@ -130,8 +119,7 @@ def tracks(config: Config, position: Counts, program: ReferenceTrajectory) -> ND
 
 def is_within_limits(config: Config, beta: Array, program: ReferenceTrajectory) -> NDArray[np.bool_]:
     """Check whether a motion stays within torque and speed of each arm (n, 9)."""
-    torque_limit, speed_limit = limits(config)
-    speed, torque = peaks(program, beta)
+    (torque_limit, speed_limit), (speed, torque) = limits(config), peaks(program, beta)
     return np.asarray((torque <= np.array(torque_limit)).all(axis=-1) & (speed <= speed_limit).all())
 
 

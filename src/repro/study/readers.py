@@ -161,9 +161,8 @@ class Readers:
     def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> dict[str, float]:
         """Compare a claim with the truth; `unit` is the largest torque, in which the prior is.
 
-        The share of the prior's variance that the claim removes, mean of the nine; the share of draws from it that lie
-        nearer to a random point than the truth (TARP, Lemos and others 2023); and the probability that it gives to
-        values below each true parameter.
+        The mean share of the prior's variance that the claim removes; the share of its draws nearer to a random point
+        than the truth (TARP, Lemos and others 2023); the probability that it gives to values below each parameter.
         """
         spread, samples = unit * np.sqrt(np.diag(self._prior[1])), found.samples
         if found.covariance is not None:
