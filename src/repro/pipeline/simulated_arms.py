@@ -65,7 +65,7 @@ def _links(rng: np.random.Generator, n: int) -> Array:
 
 
 def _built(rng: np.random.Generator, n: int) -> Array:
-    """Law that nothing is trained on: rods with a motor at the elbow, a load at the tip, friction a share of gravity."""
+    """Law that trains nothing: rods with a motor at the elbow, a load at the tip, and friction a share of gravity."""
     l1, l2 = rng.uniform(0.1, 0.35, (2, n))
     rod1, rod2 = rng.uniform(0.4, 1.2, n) * l1, rng.uniform(0.4, 1.2, n) * l2  # kg, 0.4 to 1.2 kg/m
     motor, load = rng.uniform(0.05, 0.3, n), rng.uniform(0.0, 0.25, n)
