@@ -8,66 +8,85 @@ import os
 import sys
 from typing import TYPE_CHECKING, Any
 
-from repro import contract
-from repro.errors import require
-
 if TYPE_CHECKING:
-    from repro.api import Identification as Identification
-    from repro.api import identify as identify
-    from repro.cnn.image import images as images
-    from repro.cnn.network import load_network as load_network
-    from repro.errors import InputError as InputError
-    from repro.fpga.capture import read_capture as read_capture
-    from repro.identification.algorithm1.search import SearchSettings as SearchSettings
-    from repro.identification.algorithm1.search import algorithm1 as algorithm1
-    from repro.identification.exciting_motion import excite as excite
-    from repro.logs.armfile import Arm as Arm
-    from repro.logs.armfile import read_arm as read_arm
-    from repro.logs.load import read_log as read_log
-    from repro.logs.log import Log as Log
-    from repro.model.dynamics import inverse_dynamics as inverse_dynamics
-    from repro.model.dynamics import regressor as regressor
-    from repro.signals.dct import SignalSettings as SignalSettings
-    from repro.signals.dct import dct2dev, dct2low
-    from repro.signals.metric import metr2ev
-
-    differentiate, low_pass, similarity = dct2dev, dct2low, metr2ev
+    from repro.api import Identification, identify
+    from repro.cnn.image import images
+    from repro.cnn.network import load_network
+    from repro.errors import InputError
+    from repro.fpga.capture import read_capture
+    from repro.identification.algorithm1.search import SearchSettings, algorithm1
+    from repro.identification.exciting_motion import excite
+    from repro.logs.armfile import Arm, read_arm
+    from repro.logs.load import read_log
+    from repro.logs.log import Log
+    from repro.model.dynamics import inverse_dynamics, regressor
+    from repro.signals.dct import SignalSettings
+    from repro.signals.dct import dct2dev as differentiate
+    from repro.signals.dct import dct2low as low_pass
+    from repro.signals.metric import metr2ev as similarity
 
 __version__ = "0.1.0"
 
-#: Module and name of each public object, by use.
+#: Module and name of each public object.
 _PUBLIC = {
-    "identify": ("repro.api", "identify"),
-    "Identification": ("repro.api", "Identification"),
-    "Log": ("repro.logs.log", "Log"),
-    "read_log": ("repro.logs.load", "read_log"),
     "Arm": ("repro.logs.armfile", "Arm"),
-    "read_arm": ("repro.logs.armfile", "read_arm"),
-    "excite": ("repro.identification.exciting_motion", "excite"),
-    "regressor": ("repro.model.dynamics", "regressor"),
-    "inverse_dynamics": ("repro.model.dynamics", "inverse_dynamics"),
-    "similarity": ("repro.signals.metric", "metr2ev"),
-    "low_pass": ("repro.signals.dct", "dct2low"),
-    "differentiate": ("repro.signals.dct", "dct2dev"),
-    "images": ("repro.cnn.image", "images"),
-    "load_network": ("repro.cnn.network", "load_network"),
-    "algorithm1": ("repro.identification.algorithm1.search", "algorithm1"),
+    "Identification": ("repro.api", "Identification"),
+    "InputError": ("repro.errors", "InputError"),
+    "Log": ("repro.logs.log", "Log"),
     "SearchSettings": ("repro.identification.algorithm1.search", "SearchSettings"),
     "SignalSettings": ("repro.signals.dct", "SignalSettings"),
+    "algorithm1": ("repro.identification.algorithm1.search", "algorithm1"),
+    "differentiate": ("repro.signals.dct", "dct2dev"),
+    "excite": ("repro.identification.exciting_motion", "excite"),
+    "identify": ("repro.api", "identify"),
+    "images": ("repro.cnn.image", "images"),
+    "inverse_dynamics": ("repro.model.dynamics", "inverse_dynamics"),
+    "load_network": ("repro.cnn.network", "load_network"),
+    "low_pass": ("repro.signals.dct", "dct2low"),
+    "read_arm": ("repro.logs.armfile", "read_arm"),
     "read_capture": ("repro.fpga.capture", "read_capture"),
-    "InputError": ("repro.errors", "InputError"),
+    "read_log": ("repro.logs.load", "read_log"),
+    "regressor": ("repro.model.dynamics", "regressor"),
+    "similarity": ("repro.signals.metric", "metr2ev"),
 }
-__all__ = list(_PUBLIC)
+
+#: The same names, written out for type checkers.
+__all__ = [  # noqa: RUF022  (by use)
+    "identify",
+    "Identification",
+    "Log",
+    "read_log",
+    "Arm",
+    "read_arm",
+    "excite",
+    "regressor",
+    "inverse_dynamics",
+    "similarity",
+    "low_pass",
+    "differentiate",
+    "images",
+    "load_network",
+    "algorithm1",
+    "SearchSettings",
+    "SignalSettings",
+    "read_capture",
+    "InputError",
+]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401
     """Load a public name; without NumPy so far, under the numeric contract, as the command does."""
-    if name not in _PUBLIC:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, attribute = _PUBLIC[name]
+    try:
+        module, attribute = _PUBLIC[name]
+    except KeyError:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None
     if "numpy" not in sys.modules:
+        from repro import contract  # noqa: PLC0415
+
         contract.hold(os.environ)
-    if module == "repro.cnn.network":
+    if module.startswith("repro.cnn.network"):
+        from repro.errors import require  # noqa: PLC0415
+
         require("torch", "cnn", f"repro.{name}")
     return getattr(importlib.import_module(module), attribute)
 

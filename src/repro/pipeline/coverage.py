@@ -100,7 +100,7 @@ def check_coverage(
     tau_mean, levels = read_mean_torque(mean_torque, signals), tuple(c["levels"])
     algorithm1 = for_the_arm(algorithm1_of("tracked", weights, config, trained_as), config)
     search, training = algorithm1.search, training_motion(config, motions).torque
-    beyond = conformal.novelty_limit(training)
+    beyond = novelty_limit(training)
 
     def read(which: int, recordings: Sequence[Recording]) -> tuple[list[PreparedSignals], Array]:
         """Prepared signals, and estimates (n, guesses, 9) from uniform guesses in units of the largest torque."""
@@ -123,11 +123,11 @@ def check_coverage(
     def unlike(recordings: Sequence[Recording]) -> float:
         """Share whose motion is unlike those of the training."""
         own = sampled_tracks([one.q for one in recordings], recordings[0].program, signals)
-        return float((conformal.distances(own.torque, training) > beyond).mean())
+        return float((distances(own.torque, training) > beyond).mean())
 
     _, estimates, truth = simulated(0, True, draw_arms)
-    calibration = conformal.normalised_errors(estimates, truth)
-    factors = conformal.stretch_factors(calibration, levels)
+    calibration = normalised_errors(estimates, truth)
+    factors = stretch_factors(calibration, levels)
     together = joint_factors(factors, calibration, levels)
     shares, ranks = [], []
     for which, name, effects, draw in TESTED:
@@ -137,7 +137,7 @@ def check_coverage(
         ranks.append(_rank_shares(name, found, right, calibration))
     recordings = read_recordings(captures, config)
     (prepared,), found = read(3, recordings)  # a set of guesses that no simulated arms have
-    centre, width = conformal.spread_of(found[0])
+    centre, width = spread_of(found[0])
     own = {"centre": centre, "low": centre - factors[-1] * width, "high": centre + factors[-1] * width}
     own = {name: prepared.to_recorded_time(x * prepared.torque_scale) for name, x in own.items()}
     intervals = pd.DataFrame({"parameter": NAMES, "true": true_parameters(config), **own})
@@ -156,8 +156,8 @@ def coverage_shares(
     name: str, found: Array, right: Array, factors: Array, together: Array, levels: tuple[float, ...]
 ) -> pd.DataFrame:
     """Shares of arms that the intervals of each level cover, of estimates `found` (arms, guesses, 9)."""
-    _, spread = conformal.spread_of(found)
-    missed, prior = conformal.normalised_errors(found, right), right.var(axis=0)
+    _, spread = spread_of(found)
+    missed, prior = normalised_errors(found, right), right.var(axis=0)
     stretched = (missed <= factors[:, np.newaxis]).mean(axis=1)
     rows = []
     for i, level in enumerate(levels):
@@ -180,7 +180,7 @@ def _rank_shares(name: str, found: Array, right: Array, calibration: Array) -> p
     Raw: twice the truth's rank off the middle of the guesses. Calibrated: the rank of the error among the arms that
     calibrated. Where levels are right, the distribution is uniform.
     """
-    n, missed, known = found.shape[1], conformal.normalised_errors(found, right), np.sort(calibration, axis=0)
+    n, missed, known = found.shape[1], normalised_errors(found, right), np.sort(calibration, axis=0)
     below = (found < right[:, np.newaxis]).sum(axis=1)  # (arms, 9), 0 to n
     ranks = [np.searchsorted(known[:, j], missed[:, j]) / len(known) for j in range(len(NAMES))]
     reached = {"raw": np.abs(2 * below - n) / n, "calibrated": np.stack(ranks, axis=1)}
