@@ -94,6 +94,16 @@ def test_a_module_counts_whole(package):
     assert digest(package, "pack.top") != before
 
 
+def test_a_table_that_a_definition_names_counts(package):
+    change(package, "deep", "FACTOR = 5", 'FACTOR = read("factors.csv")')
+    table = package / "factors.csv"
+    table.write_text("5\n", encoding="utf-8")
+    before = digest(package, "pack.top:run"), digest(package, "pack.low")
+    table.write_text("6\n", encoding="utf-8")
+    after = digest(package, "pack.top:run"), digest(package, "pack.low")
+    assert after[0] != before[0] and after[1] == before[1]
+
+
 def test_a_script_counts_with_what_it_imports(package, tmp_path):
     script = tmp_path / "script.py"
     script.write_text("from pack.low import LOW\n\nprint(LOW)\n", encoding="utf-8")

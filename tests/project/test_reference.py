@@ -13,7 +13,7 @@ import pytest
 
 from repro.comparison import LEDGER
 from repro.exhibits.catalogue import tolerances
-from repro.paper.claims import CAUSES, broken, specificity
+from repro.paper.claims import broken, causes, specificity
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -134,8 +134,8 @@ def test_verdicts_are_specific():
 
 
 def test_every_difference_has_a_cause_with_evidence():
-    assert CLAIMS.loc[CLAIMS["verdict"] == "differs", "cause"].isin(CAUSES).all()
-    for cause in CAUSES.values():
+    assert CLAIMS.loc[CLAIMS["verdict"] == "differs", "cause"].isin(causes()).all()
+    for cause in causes().values():
         page, _, anchor = cause["evidence"].partition("#")
         lines = (ROOT / "docs" / page).read_text(encoding="utf-8").lower().splitlines()
         headings = [re.sub(r"[^a-z0-9 -]", "", line.lstrip("# ")).replace(" ", "-") for line in lines]

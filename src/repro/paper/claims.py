@@ -191,10 +191,12 @@ def specificity(claims: pd.DataFrame, numbers: Iterable[PublishedValue]) -> pd.D
     return table.groupby(["basis", "what"], as_index=False).sum()
 
 
-#: Causes of differences by their names: title, why, and as evidence a page of docs/ with its anchor.
-CAUSES = {row["name"]: row for row in read_rows(Path(__file__).with_name("causes.csv"))}
-
 _COLUMNS = ["id", "quantity", "published", "ours", "tolerance", "verdict", "asserted", "target", "note"]
+
+
+def causes() -> dict[str, dict[str, str]]:
+    """Causes of differences by their names: title, why, and as evidence a page of docs/ with its anchor."""
+    return {row["name"]: row for row in read_rows(Path(__file__).with_name("causes.csv"))}
 
 
 def _number(value: object) -> str:
@@ -268,7 +270,7 @@ def markdown(claims: pd.DataFrame, specific: pd.DataFrame) -> str:
         "## What differs, by cause",
     ]
     differing = claims[claims["verdict"] == DIFFERS]
-    for name, cause in CAUSES.items():
+    for name, cause in causes().items():
         if len(own := differing[differing["cause"] == name]):
             why = f"{cause['why']} Evidence: {cause['evidence']}."
             blocks += [f"### {cause['title']}", why, _table_of_claims(own)]

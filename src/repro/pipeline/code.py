@@ -1,13 +1,15 @@
 """The code that a job reaches, a digest for each definition: Snakemake runs a job again if one of them changes.
 
 Each digest is a parameter of its rule, so that the reason which Snakemake prints names the definitions that changed. A
-definition counts with those that it names, in any module of the package, each by its syntax tree without docstrings;
-statements that define nothing count with every definition of their module.
+definition counts with those that it names, in any module of the package, each by its syntax tree without docstrings,
+and by the contents of a table or template next to its module that it names; statements that define nothing count with
+every definition of their module.
 """
 
 import ast
 import hashlib
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,7 +35,7 @@ class CodeDigests:
 
     def of_script(self, script: Path, *names: str) -> list[str]:
         """Digests of what a script and all further names reach."""
-        self._modules[script.name] = parse(script.read_bytes())
+        self._modules[script.name] = parse(script)
         return self.of(script.name, *names)
 
     def of(self, *names: str) -> list[str]:
@@ -95,14 +97,13 @@ class CodeDigests:
 
     def _module(self, name: str) -> Module:
         if name not in self._modules:
-            path = self._path(name)
-            self._modules[name] = parse(path.read_bytes() if path else b"")
+            self._modules[name] = parse(self._path(name))
         return self._modules[name]
 
 
-def parse(source: bytes) -> Module:
-    """Definitions of a source with the names that each uses, and what its imports bring."""
-    tree = _Bare().visit(ast.parse(source))
+def parse(file: Path | None) -> Module:
+    """Definitions of a source with the names that each uses, and what its imports bring; nothing of no file."""
+    tree = _Bare().visit(ast.parse(file.read_bytes() if file else b""))
     imported: dict[str, str] = {}
     parts: dict[str, list[ast.AST]] = {REST: []}
     dotted = []
@@ -121,9 +122,19 @@ def parse(source: bytes) -> Module:
     names = {name: sorted({used for node in nodes for used in _used(node)}) for name, nodes in parts.items()}
     idle = imported.keys() - {used.split(".")[0] for node in tree.body for used in _used(node, annotations=True)}
     names[REST] += sorted(idle) + dotted  # imported for what loading does
-    texts = {name: "".join(map(ast.dump, nodes)).encode() for name, nodes in parts.items()}
+    texts = {
+        name: "".join(map(ast.dump, nodes)).encode() + (_contents(file.parent, nodes) if file else b"")
+        for name, nodes in parts.items()
+    }
     digests = {name: hashlib.sha256(text).hexdigest() if text else "" for name, text in texts.items()}
     return Module({name: (digest, names[name]) for name, digest in digests.items()}, imported)
+
+
+def _contents(folder: Path, nodes: Iterable[ast.AST]) -> bytes:
+    """Contents of the files in a folder that statements name."""
+    texts = [each.value for node in nodes for each in ast.walk(node) if isinstance(each, ast.Constant)]
+    files = [folder / text for text in texts if isinstance(text, str) and re.fullmatch(r"[\w-]+\.\w+", text)]
+    return b"".join(file.read_bytes() for file in files if file.is_file())
 
 
 class _Bare(ast.NodeTransformer):

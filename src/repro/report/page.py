@@ -83,11 +83,6 @@ COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
     "cause", "target", "note",
 )  # fmt: skip
-_ALLOWED = {
-    "basis": tuple(str(basis) for basis in ledger.Basis),
-    "asserted": ("", *ledger.VERDICTS),
-    "cause": ("", *ledger.CAUSES),
-}
 _ID = re.compile(r"[\w./+:,()@-]+")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _NO_UNIT = ("", "1", "-", "not printed")
@@ -108,6 +103,8 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
     Published numbers and ours have their unit; a difference and a tolerance have that of what is published.
     """
     rows = read_rows(path, COLUMNS)
+    bases = tuple(str(basis) for basis in ledger.Basis)
+    allowed = {"basis": bases, "asserted": ("", *ledger.VERDICTS), "cause": ("", *ledger.causes())}
     seen: set[str] = set()
     for number, row in enumerate(rows, start=1):
         place = f"{path}: row {number}"
@@ -118,9 +115,9 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
             raise InputError.at(f"{place}: id", repr(row["id"]), "an id without blanks, used once")
         if row["verdict"] not in ledger.VERDICTS:
             raise InputError.at(f"{place}: verdict", repr(row["verdict"]), f"one of {', '.join(ledger.VERDICTS)}")
-        for name, allowed in _ALLOWED.items():
-            if row[name] not in allowed:
-                raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, allowed))}")
+        for name, values in allowed.items():
+            if row[name] not in values:
+                raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, values))}")
         seen.add(row["id"])
     lost = set(ledger.broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
     return [
@@ -226,7 +223,8 @@ def build_report(inputs: ReportInputs) -> str:
     templates = environment(_TEMPLATES)
     templates.filters["slug"] = lambda text: "-".join(str(text).split())
     differing = [claim for claim in claims if claim["verdict"] == ledger.DIFFERS]
-    of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in ledger.CAUSES}
+    causes = ledger.causes()
+    of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in causes}
     text = templates.get_template("report.html").render(
         inputs=inputs,
         style=style,
@@ -239,7 +237,7 @@ def build_report(inputs: ReportInputs) -> str:
         grouped=counts.groupby(lambda verdict: _GROUPS.get(verdict, "open")).sum(),
         asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),
-        differing=[(ledger.CAUSES[name], own) for name, own in of_causes.items() if own],
+        differing=[(causes[name], own) for name, own in of_causes.items() if own],
         audit=[{name: cell for name, cell in row.items() if name != "id"} for row in read_rows(audit_file)],
         audit_links=[link(path, inputs.page) for path in (audit_file, audit_file.with_suffix(".tex")) if path.exists()],
         tables=[show(exhibit, inputs) for exhibit in TABLES],
