@@ -27,13 +27,20 @@ from repro.signals.validation_motions import random_motion
 from repro.streams import Stream, stream
 from repro.study.design import FACTORS, Cell
 
-#: Arms drawn for each that is wanted.
-DRAWN = 24
+#: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
+NARROW = 1.5
+#: Arms for each that is wanted: drawn, and simulated to see whether they track.
+DRAWN, SPARE = 24, 2
+#: The amplitude of the effects is found in so many steps, each by at most this factor.
+STEPS, LARGEST_STEP = 6, 5.0
+#: Harmonics of the D-optimal motion, its range of position (rad) and speed (rad/s), and its share of the torque limit
+#: of the stored arm: other arms have more friction.
+HARMONICS, RANGE, SPEED, TORQUE_SHARE = 8, 1.5, 5.0, 0.6
 
 
 def around_stored_arm(config: Config) -> AroundPrior:
-    """Law of the narrow prior: each parameter of the stored arm, times or divided by up to 1.5."""
-    return AroundPrior(tuple(true_parameters(config).tolist()), 1.5)
+    """Law of the narrow prior."""
+    return AroundPrior(tuple(true_parameters(config).tolist()), NARROW)
 
 
 def draw_law(law: str, rng: np.random.Generator, n: int, config: Config) -> Array:
@@ -109,9 +116,9 @@ def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
         motion = random_motion(rng, t.t1_bands, t.t1_limit, t.t1_range_of, samples, h)
     else:
         first, second = limits(c)[0]
-        # Part of the torque limit, since other arms than the stored one have more friction.
-        arm = Arm(position_limit=((-1.5, 1.5),) * 2, speed_limit=(5.0, 5.0), torque_limit=(0.6 * first, 0.6 * second))
-        motion = design(Envelope(arm, true_parameters(c)), (samples - 1, h), 8, np.array([0.05, 0.05]), rng)
+        torque = TORQUE_SHARE * first, TORQUE_SHARE * second
+        arm = Arm(position_limit=((-RANGE, RANGE),) * 2, speed_limit=(SPEED, SPEED), torque_limit=torque)
+        motion = design(Envelope(arm, true_parameters(c)), (samples - 1, h), HARMONICS, np.array([0.05, 0.05]), rng)
     return ReferenceTrajectory("ID", motion.q, margin, samples - margin, h)
 
 
@@ -127,7 +134,7 @@ def choose(config: Config, out: Path) -> None:
         drawn = draw_law(prior, rng, DRAWN * s["arms"], config)
         for program in motions:
             drawn = drawn[is_within_limits(config, with_friction(drawn, max(s["frictions"])), program)]
-        drawn = drawn[: 2 * s["arms"]]
+        drawn = drawn[: SPARE * s["arms"]]
         for program in excitations.values():
             for factor in (min(s["frictions"]), max(s["frictions"])):
                 if len(drawn):
@@ -169,11 +176,12 @@ def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajector
     unit = Effects(np.tile(drawn.levels, (1, len(cells), 1)), np.tile(drawn.phase, (len(cells), 1)))
     target = np.repeat([1.0 - cell.discrepancy**2.5 for cell in cells], n)
     amplitude = np.ones(len(beta))
-    for remaining in reversed(range(6)):
+    for remaining in reversed(range(STEPS)):
         identified = record(c, beta, [program] * len(beta), unit.times(amplitude), "runs of the excitation")
         if remaining:
             reached = np.array([least_squares_similarity(recording, c) for recording in identified])
-            amplitude *= np.clip(target / np.maximum(1.0 - reached**2.5, 1e-6), 0.2, 5.0)
+            factor = target / np.maximum(1.0 - reached**2.5, 1e-6)
+            amplitude *= np.clip(factor, 1.0 / LARGEST_STEP, LARGEST_STEP)
     own = [_validation(config, k) for k in range(n)] * len(cells)
     by_motion, effects = zip(*own, strict=True), unit.times(amplitude)
     further = [record(c, beta, same, effects, f"runs of {same[0].name}") for same in by_motion]
