@@ -148,8 +148,8 @@ def test_a_network_is_trained_once_for_each_arithmetic(log, tmp_path, capsys, no
 
 
 def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures, small_budgets, monkeypatch):
-    runs, run = [], algorithm1._run
-    monkeypatch.setattr(algorithm1, "_run", lambda *given, **named: runs.append(run(*given, **named)) or runs[-1])
+    runs, run = [], algorithm1.Algorithm1.run
+    monkeypatch.setattr(algorithm1.Algorithm1, "run", lambda *given: runs.append(run(*given)) or runs[-1])
     out, both = tmp_path / "out", ("--method", "algorithm1", "--method", "algorithm1+refinement")
     assert identify(log, "--steps", 2, "--cache", tmp_path / "cache", *both, "-o", out) == 0
     ((estimates, *_),) = runs
