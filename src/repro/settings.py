@@ -25,8 +25,14 @@ Config = Mapping[str, Any]
 def signal_settings(config: Config) -> SignalSettings:
     """Sampling and filters, from section ``signals``."""
     s = config["signals"]
-    h, c_f, unit = s["sampling_period_s"], s["filter_coefficient"], s["frequency_reading"]
-    return SignalSettings(h, c_f, unit, s["image_samples"], s["duration_s"], s["normalise_motion"])
+    return SignalSettings(
+        h=s["sampling_period_s"],
+        c_f=s["filter_coefficient"],
+        omega_unit=s["frequency_reading"],
+        samples=s["image_samples"],
+        duration=s["duration_s"],
+        normalise_motion=s["normalise_motion"],
+    )
 
 
 def metric_settings(config: Config) -> MetricSettings:
