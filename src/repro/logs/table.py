@@ -4,6 +4,7 @@ import codecs
 import csv
 import math
 import re
+import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -313,9 +314,18 @@ def read_bag(path: Path, topic: str | None) -> Table:
     for file in files:
         check_size(file, LARGEST, "a file of a ROS 2 bag")
     require("rosbags", "bags", str(path))
-    from rosbags.highlevel import AnyReader  # noqa: PLC0415
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
+    from apsw import Error as DatabaseError  # noqa: PLC0415  (rosbags reads SQLite and Zstandard by these)
+    from backports.zstd import ZstdError  # noqa: PLC0415
+    from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415
+    from rosbags.rosbag2 import ReaderError  # noqa: PLC0415
+    from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
 
+    # The last row is what parsing of damaged bytes raises in Python and in the library's own code.
+    damage = (
+        *(AnyReaderError, ReaderError, TypesysError, DatabaseError, ZstdError, struct.error),
+        *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, OSError),
+        *(RuntimeError, TypeError, ValueError),
+    )
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
             topics = sorted({c.topic for c in reader.connections if c.msgtype == "sensor_msgs/msg/JointState"})
@@ -330,7 +340,7 @@ def read_bag(path: Path, topic: str | None) -> Table:
             return _table(path, chosen[0], messages)
     except InputError:
         raise
-    except Exception as error:  # damaged bytes raise nearly anything, in rosbags and in what it reads them by
+    except damage as error:
         found = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError.at(str(path), found, "a whole ROS 2 bag") from error
 
