@@ -25,6 +25,19 @@ def test_what_the_user_has_set_stays(monkeypatch):
     assert environment["OPENBLAS_NUM_THREADS"] == "1"
 
 
+def test_a_kernel_that_the_processor_cannot_run_is_not_used(monkeypatch, tmp_path):
+    old, new = tmp_path / "old", tmp_path / "new"
+    old.write_text("processor : 0\nflags : fpu avx2 fma\n")
+    new.write_text("processor : 0\nflags : fpu avx2 fma avx512f avx512vl\n")
+    assert [contract.can_run("SkylakeX", cpuinfo) for cpuinfo in (old, new)] == [False, True]
+    assert contract.can_run("Zen", old) and contract.can_run("SkylakeX", tmp_path / "none")
+    monkeypatch.setattr(contract, "can_run", lambda kernel: kernel != "SkylakeX")
+    monkeypatch.setattr(contract, "is_v3", lambda: True)
+    environment = {"OPENBLAS_CORETYPE": "SkylakeX", "OPENBLAS_NUM_THREADS": "3"}
+    assert set(contract.set_variables(environment)) == set(contract.CONTRACT)
+    assert environment == contract.CONTRACT | {"OPENBLAS_NUM_THREADS": "3"}
+
+
 def test_a_processor_without_the_instructions_is_not_told_to_use_them(monkeypatch, tmp_path):
     monkeypatch.delitem(sys.modules, "numpy")
     (tmp_path / "cpuinfo").write_text("processor : 0\nflags : fpu sse4_2 avx\n")

@@ -11,25 +11,43 @@ import sys
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 
+CPUINFO = Path("/proc/cpuinfo")
 #: Variables that NumPy and OpenBLAS read when they are loaded.
 CONTRACT = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
 #: Of any processor: sums do not depend on how many cores there are.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 #: Flags of x86-64-v3 that the contract's kernels use.
 NEEDED = {"avx2", "fma", "bmi1", "bmi2", "f16c", "movbe"}
+#: Kernels of OpenBLAS that end a process with an illegal instruction where the processor has no AVX-512.
+AVX512_KERNELS = {"skylakex", "cooperlake", "sapphirerapids"}
 
 
-def is_v3(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
-    """Whether this processor has the instructions of x86-64-v3; False where that cannot be told."""
+def _flags(cpuinfo: Path) -> set[str]:
+    """Flags of this processor; none where they cannot be determined."""
     if platform.machine() not in ("x86_64", "AMD64") or not cpuinfo.exists():
-        return False
-    flags = next((line for line in cpuinfo.read_text().splitlines() if line.startswith("flags")), "")
-    return set(flags.split()) >= NEEDED
+        return set()
+    return set(next((line for line in cpuinfo.read_text().splitlines() if line.startswith("flags")), "").split())
+
+
+def is_v3(cpuinfo: Path = CPUINFO) -> bool:
+    """Whether this processor has the instructions of x86-64-v3; False where that cannot be determined."""
+    return _flags(cpuinfo) >= NEEDED
+
+
+def can_run(kernel: str, cpuinfo: Path = CPUINFO) -> bool:
+    """Whether this processor has the instructions of a kernel of OpenBLAS; True where that cannot be determined."""
+    flags = _flags(cpuinfo)
+    return kernel.lower() not in AVX512_KERNELS or not flags or "avx512vl" in flags
 
 
 def set_variables(environment: MutableMapping[str, str]) -> list[str]:
-    """Set the variables of the contract that the user has not set, for processes to come; the names that were set."""
+    """Set the variables of the contract that the user has not set, for processes to come; the names that were set.
+
+    A kernel that this processor cannot run counts as not set.
+    """
     wanted = ONE_THREAD | (CONTRACT if is_v3() else {})
+    if not can_run(environment.get("OPENBLAS_CORETYPE", "")):
+        del environment["OPENBLAS_CORETYPE"]
     missing = [name for name in wanted if name not in environment]
     environment.update((name, wanted[name]) for name in missing)
     return missing
