@@ -18,8 +18,8 @@ PYTHON = str(ROOT / ".venv/bin/python")
 NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests in which a float has a part.
 PORTABLE = (
-    *("compare", "contract", "dct", "dynamics", "experiment", "fingerprint", "least_squares", "messages", "metric"),
-    *("networks", "programs", "reference", "simulated_arms"),
+    *("compare", "contract", "dct", "dynamics", "experiment", "fingerprint", "least_squares", "metric", "networks"),
+    *("programs", "simulated_arms"),
 )
 #: The same with those of tampering, for two hosts.
 TAMPERED = (*PORTABLE, "verify")
