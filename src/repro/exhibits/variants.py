@@ -93,13 +93,11 @@ def ablation_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return interpretations.ablation_table(results, histories)
 
 
+_ID, _VALIDATION = ("Identification trajectory", "joint1"), (f"Validation trajectory, or mean over {SPAN}", "joint2")
 #: By panel: its title and its quantities, each with what it is called and whose look it has.
 _PANELS = {
-    "Numeric arms N1 to N4, Algorithm 1": {
-        "id_mean": ("Identification trajectory", "joint1"),
-        "validation_mean": ("Validation trajectory", "joint2"),
-    },
-    "Simulated arm, Algorithm 1": {"arm_id": ("ID", "joint1"), "arm_validation": (f"Mean over {SPAN}", "joint2")},
+    "Numeric arms N1 to N4, Algorithm 1": {"id_mean": _ID, "validation_mean": _VALIDATION},
+    "Simulated arm, Algorithm 1": {"arm_id": _ID, "arm_validation": _VALIDATION},
     f"Simulated arm, mean over {SPAN}": {
         "arm_refined": ("Algorithm 1 + refinement", "algorithm1+refinement"),
         "arm_least_squares": ("Least squares", "least-squares"),
@@ -141,9 +139,9 @@ def draw_readings(frame: pd.DataFrame) -> Figure:
     panels[0].set_ylim(place - 0.4, -0.6)
     for heading in headings:
         panels[0].get_yticklabels()[heading].set_style("italic")
-    handles = [line for axes in panels for line in axes.get_legend_handles_labels()[0]]
+    handles = {line.get_label(): line for axes in panels for line in axes.get_legend_handles_labels()[0]}
     (default,) = panels[0].plot([], [], color=style.INK, lw=0.8, label="Lines: the default reading")
-    drawn.legend(handles=[*handles, default], loc="outside upper center", ncols=3)
+    drawn.legend(handles=[*handles.values(), default], loc="outside upper center", ncols=3)
     return drawn
 
 
