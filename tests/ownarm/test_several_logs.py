@@ -112,7 +112,7 @@ def test_a_torque_constant_is_corrected_in_all_logs_or_none_and_a_poor_log_has_n
 
 
 def test_detection_limits_do_not_depend_on_the_joint_whose_torque_constant_is_wrong():
-    logs = [scaled(noisy_log(name, seed), 1.3, 1.0) for seed, name in enumerate(("a.csv", "b.csv"))]
+    logs = [scaled(noisy_log("a.csv", 1), 1.3, 1.0)]
     first = []
     for g1 in (BETA[3], 1.3 * BETA[3]):
         prior = read_prior({"g1": {"value": g1, "sd": 0.01}})
@@ -146,7 +146,7 @@ def test_a_noisy_log_does_not_hide_the_rotor():
 
 def test_a_log_is_not_predicted_from_one_that_does_not_determine_it():
     def one_joint(joint, name):
-        log = log_from(lambda t: tuple(x * (np.arange(2) == joint)[:, np.newaxis] for x in motion(t)), seconds=15.0)
+        log = log_from(lambda t: tuple(x * (np.arange(2) == joint)[:, np.newaxis] for x in motion(t)), seconds=8.0)
         return loaded(replace(log, name=name, tau=log.tau + 0.02 * np.random.default_rng(joint).normal(size=(2, 1))))
 
     result, _ = solved(problem_of(one_joint(0, "first.csv"), one_joint(1, "second.csv")))
