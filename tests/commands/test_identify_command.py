@@ -33,9 +33,9 @@ WRITTEN = {
 }
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def no_figures(monkeypatch):
-    """Leave out the figures, which take longer than all the rest, where a test is not about them."""
+    """Leave out the figures, which take longer than all the rest: kept results show them."""
     monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})
 
 
@@ -69,7 +69,6 @@ def found(folder, method):
         ("--prior", "parameters.json", '{"g1": {"value": 3.2, "sd": 0.1}}'),
     ],
 )
-@pytest.mark.usefixtures("no_figures")
 def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, role, name, content):
     out = tmp_path / "out"
     out.mkdir()
@@ -86,7 +85,7 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
 
 def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     out = tmp_path / "out"
-    assert identify(log, "--method", "ordinary", "--method", "consistent", "-o", out) == 0
+    assert identify(log, "--method", "ordinary", "--method", "consistent", "--self-test", "-o", out) == 0
     assert {path.name for path in out.iterdir()} == WRITTEN
     for method in ("ordinary", "consistent"):
         assert found(out, method) == pytest.approx(BETA, rel=0.02)
@@ -95,9 +94,11 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     unseen = re.search("could contain these calibration errors undetected: zero of joint 1 up to .* degrees", told)
     assert unseen
     assert unseen[0] in re.sub("<[^>]+>", "", (tmp_path / "out/report.html").read_text(encoding="utf-8"))
+    test = json.loads((out / "parameters.json").read_bytes())["selftest"]
+    assert [row["true"] for row in test["parameters"]] == pytest.approx(found(out, test["method"]))
 
 
-def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(tmp_path, no_figures):
+def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(tmp_path):
     t = np.arange(0.0, 10.0, 0.005)
     stretched = [x * np.array([[1.0], [0.0]]) for x in motion(t)]
     log = tmp_path / "log.csv"
@@ -106,16 +107,6 @@ def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(
     assert not (tmp_path / "out" / "arm.urdf").exists()
     reason = (tmp_path / "out" / "no-links.txt").read_text()
     assert reason.startswith("No URDF or MJCF. The motion does not determine")
-
-
-def test_the_self_test_is_run_where_it_is_asked_for(log, tmp_path, capsys, no_figures):
-    out = tmp_path / "out"
-    assert identify(log, "--method", "ordinary", "--self-test", "-o", out) == 0
-    printed = capsys.readouterr().out.partition("self-test: ")[2]
-    assert [line.split()[0] for line in printed.splitlines()[2:11]] == list(NAMES)
-    test = json.loads((out / "parameters.json").read_bytes())["selftest"]
-    assert [row["true"] for row in test["parameters"]] == pytest.approx(found(out, "ordinary"))
-    assert 'id="self-test"' in (out / "report.html").read_text()
 
 
 @pytest.fixture
@@ -128,7 +119,7 @@ def small_budgets(monkeypatch):
     monkeypatch.setattr(algorithm1, "NetworkSearch", partial(algorithm1.NetworkSearch, search=few, refinement=short))
 
 
-def test_a_network_is_trained_once_for_each_arithmetic(log, tmp_path, capsys, no_figures, small_budgets, monkeypatch):
+def test_a_network_is_trained_once_for_each_arithmetic(log, tmp_path, capsys, small_budgets, monkeypatch):
     monkeypatch.setattr(algorithm1, "on_this_processor", lambda precision: "float32")
     changes = (
         None,
@@ -147,7 +138,7 @@ def test_a_network_is_trained_once_for_each_arithmetic(log, tmp_path, capsys, no
     assert (tmp_path / "0" / "parameters.json").read_bytes() == (tmp_path / "1" / "parameters.json").read_bytes()
 
 
-def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures, small_budgets, monkeypatch):
+def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, small_budgets, monkeypatch):
     runs, run = [], algorithm1.Algorithm1.run
     monkeypatch.setattr(algorithm1.Algorithm1, "run", lambda *given: runs.append(run(*given)) or runs[-1])
     out, both = tmp_path / "out", ("--method", "algorithm1", "--method", "algorithm1+refinement")
@@ -162,7 +153,7 @@ def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, no_figures,
     assert [float(number) / 100 for number in re.findall(r"[\d.]+(?= %)", note)] == pytest.approx(reached, abs=5.1e-5)
 
 
-def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path, no_figures):
+def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path):
     link = tmp_path / "board"
     command = [sys.executable, "-m", "repro", "simulate", "--as-fast-as-possible", "--link", str(link)]
     board = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT)
@@ -231,7 +222,9 @@ def test_a_method_is_a_function_and_an_entry(log, tmp_path):
     (folder / "least_squares.py").write_text(code.replace("    for method in (\n", f"    for method in (\n{entry}\n"))
     names = (folder / "method.py").read_text()
     (folder / "method.py").write_text(names.replace("LEAST_SQUARES = (", 'LEAST_SQUARES = ("ridge", '))
-    command = [sys.executable, "-m", "repro", "identify", str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
+    without = "from repro.ownarm import outputs; outputs.figures_of = lambda *_: {}; from repro.cli import main; "
+    options = [str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
+    command = [sys.executable, "-c", f"{without}raise SystemExit(main(['identify', *{options}]))"]
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     run = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
@@ -239,7 +232,7 @@ def test_a_method_is_a_function_and_an_entry(log, tmp_path):
 
 
 @pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="no folder below /dev to write to")
-def test_a_file_below_dev_is_read(tmp_path, no_figures):
+def test_a_file_below_dev_is_read(tmp_path):
     with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
         for file in (ROOT / "data/captures").glob("T3.*"):
             shutil.copy(file, folder)

@@ -101,11 +101,6 @@ def test_an_arm_file_that_is_wrong_is_reported_in_one_line(tmp_path, content, fo
     assert "\n" not in str(caught.value)
 
 
-def test_an_arm_file_that_is_not_there(tmp_path):
-    with pytest.raises(InputError, match=r"arm\.yaml: found No such file"):
-        read_arm(tmp_path / "arm.yaml")
-
-
 @pytest.mark.parametrize(
     ("values", "place"),
     [

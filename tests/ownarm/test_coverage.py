@@ -73,9 +73,7 @@ def arms_and_problems(count, seed, wrong):
     desired = np.stack([multisine(rng) for _ in range(half)] + half * [eq10])
     most = np.array([0.5, 0.1]) if wrong else np.zeros(2)
     levels = most * rng.uniform(size=(count, 2))
-    beyond = [
-        Unmodelled(stribeck=(s, s), stribeck_velocity=0.3, ripple=(r, r), ripple_cycles=11.0) for s, r in levels
-    ]
+    beyond = [Unmodelled(stribeck=(s, s), stribeck_velocity=0.3, ripple=(r, r), ripple_cycles=11.0) for s, r in levels]
     control = control_constants(CONFIG)
     position, pwm = simulate(Plant(arms, H, beyond, quick=True), control, desired)
     q, tau = RADIANS_PER_COUNT * position, pwm * control.torque_per_count[:, np.newaxis]

@@ -59,20 +59,20 @@ def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, scale=1.0, limi
 
 
 def several(folder):
-    """Two logs, one with a zero error, one with a gap and a torque at its limit; a prior, and friction subtracted."""
+    """Two logs, one with a gap and a torque at its limit, one with a zero error; a prior, and friction subtracted."""
     return {
-        "log": [write(folder / "a.csv", zero=0.06), write(folder / "b.csv", start=5.0, limit=5.0, gap=(4.0, 5.5))],
+        "log": [write(folder / "b.csv", start=5.0, limit=5.0, gap=(4.0, 5.5)), write(folder / "a.csv", zero=0.06)],
         "validate": write(folder / "v.csv", other_motion, 6.0),
         "method": ["ordinary", "weighted", "robust", "bounded"],
         "friction": True,
-        "prior": {"g1": {"value": 3.2, "sd": 0.2}, "k2": {"value": 0.1, "sd": 0.01}},
+        "prior": {"g1": {"value": 3.2, "sd": 0.2}, "k2": {"value": 0.1, "sd": 0.01}, "b1": {"value": 0.07, "sd": 0}},
     }
 
 
 def short(folder):
     """A log with a wrong torque constant, whose friction is left in, and synthetic logs."""
     log = write(folder / "c.csv", seconds=8.0, scale=1.5)
-    return {"log": log, "method": ["ordinary", "consistent"], "self_test": True, "filter": "butterworth"}
+    return {"log": log, "method": ["ordinary", "consistent"], "self_test": True}
 
 
 def capture(folder):
@@ -80,7 +80,7 @@ def capture(folder):
     data, metadata = (CAPTURES / "T4.bin").read_bytes(), read_capture(CAPTURES / "T4.bin").metadata
     write_capture(folder / "T4.bin", data[:8000] + bytes(16) + data[8016:], replace(metadata, host=None))
     files = {"log": str(CAPTURES / "ID.bin"), "validate": [str(CAPTURES / "T1.bin"), folder / "T4.bin"]}
-    return files | {"method": ["instrumental", "consistent", "parsimonious"], "cutoff": 3.0}
+    return files | {"method": ["instrumental", "consistent", "parsimonious"], "cutoff": 3.0, "filter": "butterworth"}
 
 
 @pytest.mark.parametrize("logs", [several, short, capture])

@@ -9,14 +9,11 @@ from ownarm_problem import ARM, identify, prepared_from_file, silent, solved, wr
 from realdata import log_file, needs_real_data
 
 from repro.errors import InputError
-from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import LEAST_SQUARES
 from repro.logs.armfile import Arm
-from repro.logs.log import Log, uniform
 from repro.model.parameters import NAMES, is_positive_definite
 from repro.ownarm.evaluate import assemble, fit_all, resolve
-from repro.ownarm.figures import draw_overlay
 from repro.ownarm.prepare import Options, load_log
 from repro.ownarm.problem import make_problem
 from repro.ownarm.text import COMBINED, NOT_EXCITED
@@ -79,8 +76,7 @@ T = np.arange(6000) / 200.0
 DELAY, ZERO = 0.005, 0.08
 
 
-@pytest.fixture(scope="module")
-def split(tmp_path_factory):
+def test_one_delay_one_zero_and_the_parameters_of_all_pieces(tmp_path):
     """30 s: cells empty for 1 s, 3.5 s never written, and a piece of 1 s between two gaps."""
     rng = np.random.default_rng(0)
     r = recording(T)
@@ -88,14 +84,10 @@ def split(tmp_path_factory):
     table = columns(replace(r, q=r.q + np.array([[ZERO], [0.0]]), tau=tau))
     table["tau2"] = ["NaN" if 9.0 <= t < 10.0 else f"{x:.9g}" for t, x in zip(T, table["tau2"], strict=True)]
     keep = np.flatnonzero((T < 18.0) | ((T >= 19.5) & (T < 20.5)) | (T >= 21.5))
-    path = tmp_path_factory.mktemp("split") / "split.csv"
+    path = tmp_path / "split.csv"
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
     problem = make_problem((load_log(path, ARM),), (), ARM, OPTIONS)
-    return problem, *solved(problem)
-
-
-def test_one_delay_one_zero_and_the_parameters_of_all_pieces(split):
-    problem, result, _ = split
+    result, _ = solved(problem)
     (fault,) = problem.first.faults
     assert (fault.name, fault.value) == ("zero1", pytest.approx(-ZERO, abs=0.005))
     assert problem.first.settings.delay == pytest.approx(DELAY, abs=1e-3)
@@ -103,29 +95,6 @@ def test_one_delay_one_zero_and_the_parameters_of_all_pieces(split):
     assert max(*result.best.fit.relative_rms, *result.best.fit.position_rms) < 0.02
     seconds = problem.regression.t.size * problem.regression.h
     assert seconds == pytest.approx(8.995 + 7.995 + 8.495 - 3 * 0.6, abs=0.5)
-
-
-def test_each_piece_is_filtered_as_if_it_were_alone():
-    r = recording(T)
-    keep = (T < 11.0) | (T > 13.0)
-    log = uniform(Log(name="log.csv", t=T[keep], q=r.q[:, keep], tau=r.tau[:, keep]))
-    both, parts = prepare(log, FilterSettings()), [prepare(piece, FilterSettings()) for piece in log.pieces]
-    for name in ("y", "tau", "q", "dq", "ddq"):
-        together = np.concatenate([getattr(part, name) for part in parts], axis=1)
-        np.testing.assert_array_equal(getattr(both, name), together)
-    np.testing.assert_array_equal(both.even_odd, np.concatenate([part.even_odd for part in parts], axis=2))
-    np.testing.assert_allclose(both.q, motion(both.t)[0], atol=0.01)  # times are those of the log
-
-
-def test_no_line_is_drawn_across_a_gap(split):
-    _, _, curves = split
-    figure = draw_overlay(curves.signals[0], {"ordinary": "Ordinary"})
-    for axes in figure.axes[::2]:
-        for line in axes.lines:
-            x, y = line.get_data()
-            drawn = ~np.isnan(y)
-            assert not np.any(drawn[1:] & drawn[:-1] & (np.diff(x) > 0.5))
-    assert all(np.isfinite(line.get_ydata()).sum() > 10 for axes in figure.axes for line in axes.lines)
 
 
 #: I1, I2, I3, g1, g2 that the arm's owners published.

@@ -40,13 +40,6 @@ def page(text):
     return Page(text)
 
 
-def test_a_method_that_is_not_consistent_or_claims_no_interval_says_so(page):
-    header, *rows = page.rows("parameters")
-    assert ["not physically consistent" in title for title in header[1:4]] == [False, True, False]
-    assert "b2 is negative: friction would drive the arm" in page.one("methods")["text"]
-    assert {tuple("±" in cell for cell in row[1:4]) for row in rows} == {(True, True, False)}
-
-
 def test_a_hostile_name_is_text():
     result = example_result(arm=HOSTILE, reason=HOSTILE, warnings=(HOSTILE,))
     logs = replace(result.log, name=HOSTILE, facts=((HOSTILE, HOSTILE),), notes=(HOSTILE,), warnings=(HOSTILE,))

@@ -16,7 +16,6 @@ from repro.errors import InputError
 from repro.export import horizontal_links_of
 from repro.model.parameters import NAMES, UNITS, inertial_from_links
 from repro.ownarm.outputs import write_result
-from repro.ownarm.prepare import Options
 from repro.ownarm.prior import read_prior, with_plane
 
 LEVEL = replace(ARM, plane="horizontal", link_lengths=(0.3, 0.25))
@@ -72,20 +71,6 @@ def test_networks_are_the_default_only_for_one_log_of_an_upright_arm_without_a_p
     for more in ([], ["other.csv"], ["--prior", "prior.json"], ["--arm", "level.yaml"]):
         assert main(["identify", "log.csv", *more, "-o", "out"]) == 0
     assert asked == ["all", *3 * ["least-squares"]]
-
-
-@pytest.mark.slow
-def test_the_verdict_reports_the_weight_of_the_prior(tmp_path):
-    sd = {"I1": (BETA[0], 1e-6), "g1": (BETA[3], 10.0), "k1": (0.2, 0)}
-    prior = read_prior({name: {"value": value, "sd": sd} for name, (value, sd) in sd.items()})
-    result, _ = solved(prepared_from_file(tmp_path, options=Options(("ordinary",), tmp_path, prior=prior)))
-    i1, g1, k1, b1 = (result.best.parameters[k] for k in (0, 3, 7, 5))
-    assert i1.prior_weight == pytest.approx(1.0, abs=0.1)
-    assert "mostly from the prior" in i1.verdict
-    assert g1.prior_weight < 0.01
-    assert "prior" not in g1.verdict
-    assert (k1.estimate, k1.low, k1.prior_weight) == (0.2, None, 1.0)
-    assert b1.prior_weight == 0.0
 
 
 @pytest.mark.slow

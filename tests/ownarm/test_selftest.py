@@ -22,7 +22,7 @@ from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow
 
-OPTIONS = Options(("ordinary", "consistent"), "unused")
+OPTIONS = Options(("ordinary",), "unused")
 STEP, NOISE, LATE = 1e-4, 0.05, 0.004
 #: Sines up to 3 Hz, so that the torque at the frequencies looked at is nearly all of the motion.
 slow = partial(broadband, top=3.0, lines=20)
@@ -118,14 +118,9 @@ def test_rounded_time_stamps_are_no_jitter():
     assert rough[0] == pytest.approx(rough[1], rel=0.1)
 
 
-def test_the_self_test_is_of_the_recommended_method_with_intervals(clean, monkeypatch):
+def test_a_method_without_intervals_has_no_self_test(clean):
     problem, _ = clean
-    result, _ = solved(problem, OPTIONS.methods)
-    assert result.selftest is None
-    monkeypatch.setattr("repro.ownarm.evaluate.self_test", lambda *given: given)
-    test = add_self_test(result, problem, ARM, OPTIONS, silent).selftest
-    assert test[:2] == (problem, METHODS[result.recommended])
-    assert test[2].tolist() == [p.estimate for p in result.best.parameters]
+    result, _ = solved(problem)
     mute = replace(result, methods=tuple(replace(m, claims_intervals=False) for m in result.methods))
     assert add_self_test(mute, problem, ARM, OPTIONS, silent) == mute
 

@@ -112,11 +112,11 @@ def test_a_torque_constant_is_corrected_in_all_logs_or_none_and_a_poor_log_has_n
 
 
 def test_detection_limits_do_not_depend_on_the_joint_whose_torque_constant_is_wrong():
-    logs = [scaled(noisy_log("a.csv", 1), 1.3, 1.0)]
+    log = scaled(noisy_log("a.csv", 1), 1.3, 1.0)
     first = []
     for g1 in (BETA[3], 1.3 * BETA[3]):
         prior = read_prior({"g1": {"value": g1, "sd": 0.01}})
-        first.append(make_problem(logs, (), ARM, replace(OPTIONS, prior=prior)).first)
+        first.append(make_problem((log,), (), ARM, replace(OPTIONS, prior=prior)).first)
     assert [log.faults[0].name for log in first] == ["scale1", "scale2"]
     assert first[0].hidden["zero2"] == pytest.approx(first[1].hidden["zero2"], rel=0.01)
 
