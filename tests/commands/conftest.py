@@ -1,5 +1,7 @@
 """What tests of several commands share."""
 
+import resource
+
 import pytest
 
 from repro.cli import main
@@ -18,3 +20,10 @@ def refused(capsys):
         return line
 
     return line_of
+
+
+@pytest.fixture
+def limit_files():
+    """Limits the bytes of a file to a number, until the end of the test."""
+    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))

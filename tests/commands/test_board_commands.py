@@ -1,7 +1,6 @@
 """`repro simulate`, `record` and `decode`: what a user types, what comes back, and that no recording is lost."""
 
 import io
-import resource
 import signal
 import subprocess
 import sys
@@ -173,21 +172,6 @@ class Endless(PlayedBoard):
         return super().tick() if self.place < self.end else self.forever
 
 
-class LimitedDisk(PlayedBoard):
-    """From the start on no file may be longer than what it sends."""
-
-    def tick(self):
-        if self.running and not self.place:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (len(self.frames), resource.RLIM_INFINITY))
-        return super().tick()
-
-
-@pytest.fixture
-def any_length():
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-
-
 def record(board, out, *options):
     with served(board, PtyEndpoint(), real_time=False) as port:
         return main(["record", "--port", port, "--trajectory", "T4", "--out", str(out), *options])
@@ -224,19 +208,19 @@ def test_garbage_after_half_of_the_frames_is_an_incomplete_recording(tmp_path):
     assert not (tmp_path / "T4.bin.part").exists()
 
 
-@pytest.mark.usefixtures("any_length")
-def test_a_disk_without_room_is_noticed_before_the_arm_moves(tmp_path, capsys):
+def test_a_disk_without_room_is_noticed_before_the_arm_moves(tmp_path, capsys, limit_files):
     board = PlayedBoard(FRAMES)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY))
+    limit_files(20_000)
     assert record(board, tmp_path / "T4.bin") == 2
     assert MessageKind.START not in [message.kind for message in board.messages]
     assert line_about(tmp_path, capsys).startswith(f"{tmp_path / 'T4.bin'}: found ")
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.usefixtures("any_length")
-def test_a_disk_that_fills_up_loses_no_byte(tmp_path, capsys):
-    assert record(LimitedDisk(FRAMES), tmp_path / "T4.bin") == 2  # a sidecar is longer
+def test_a_disk_that_fills_up_loses_no_byte(tmp_path, capsys, limit_files, monkeypatch):
+    board = PlayedBoard(FRAMES)
+    monkeypatch.setattr(board, "tick", lambda: limit_files(len(FRAMES)) or PlayedBoard.tick(board))
+    assert record(board, tmp_path / "T4.bin") == 2  # a sidecar is longer
     raw = tmp_path / "T4.bin.part"
     assert list(tmp_path.iterdir()) == [raw]
     assert raw.read_bytes() == FRAMES

@@ -1,7 +1,6 @@
 """The ``repro`` command whatever the subcommand: options, exit codes, names that no file has, and full disks."""
 
 import os
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -78,16 +77,8 @@ def test_standard_output_that_is_full():
     assert "Traceback" not in run.stderr
 
 
-@pytest.fixture
-def small_disk():
-    """No file may be longer than 100 kB."""
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-
-
-@pytest.mark.usefixtures("small_disk")
-def test_decode_and_identify_leave_nothing_on_a_full_disk(tmp_path, refused):
+def test_decode_and_identify_leave_nothing_on_a_full_disk(tmp_path, refused, limit_files):
+    limit_files(100_000)
     assert refused("decode", CAPTURE, "-o", tmp_path / "T4.csv").startswith(f"{tmp_path / 'T4.csv'}: ")
     line = refused("identify", tmp_path / "no-such-log.csv", "-o", tmp_path / "out")
     assert line.startswith(f"{tmp_path / 'out'}: found File too large")

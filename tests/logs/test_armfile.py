@@ -101,16 +101,7 @@ def test_an_arm_file_that_is_wrong_is_reported_in_one_line(tmp_path, content, fo
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("values", "place"),
-    [
-        ({"name": None}, "name"),
-        ({"position_limit": [[1, -1], [0, 1]]}, "position_limit[0]"),
-        ({"columns": {"q1": "a", "q2": "a"}}, "columns"),
-        ({"zero": (0, -90)}, "zero[1]"),
-        ({"speed_limit": (np.nan, 1)}, "speed_limit[0]"),
-    ],
-)
+@pytest.mark.parametrize(("values", "place"), [({"name": None}, "name"), ({"zero": (0, -90)}, "zero[1]")])
 def test_an_arm_built_by_hand_is_checked_as_a_file_is(values, place):
     with pytest.raises(ValueError, match=re.escape(f": {place}: found ")):
         Arm(**values)
