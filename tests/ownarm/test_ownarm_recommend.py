@@ -17,11 +17,6 @@ from repro.ownarm.result import Excitation
 AMONG = "among the physically consistent methods"
 
 
-def test_a_consistent_method_is_preferred_to_one_that_predicts_better():
-    methods = method("a", "A", 1.0, consistent=False), method("b", "B", 1.5), method("c", "C", 1.2)
-    assert recommend(methods) == ("c", f"smallest mean torque error on the validation logs {AMONG}")
-
-
 def test_validation_logs_count_before_halves():
     # Halves say b, the logs not used say a; without such logs it is b.
     a = method("a", "A", 1.0, halves=(score("second half", 0.5, 0.5),))
