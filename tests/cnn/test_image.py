@@ -40,16 +40,6 @@ def test_single_precision_stays_single_and_close(scale):
     np.testing.assert_allclose(assemble(u, v), literal.image(alpha, psi, scale), rtol=0, atol=1e-5)
 
 
-@given(seeds, st.floats(0.05, 20.0))
-def test_published_image_is_blind_to_a_common_factor_and_one_divided_by_a_constant_is_not(seed, factor):
-    alpha, psi = signals(seed)
-    for scale in ("shared-max", "channel-max"):
-        np.testing.assert_allclose(build(alpha, factor * psi, scale), build(alpha, psi, scale), rtol=0, atol=1e-12)
-    change = build(alpha, factor * psi, "constant") - build(alpha, psi, "constant")
-    expected = (factor - 1) * np.stack([np.outer(psi[d], alpha[d]) for d in (0, 1)]) / 4.0
-    np.testing.assert_allclose(change, expected, rtol=1e-9, atol=1e-12)
-
-
 @pytest.mark.parametrize("scale", SCALES)
 @pytest.mark.parametrize("level", [0.0, -0.7, 1e-300, 3.0])
 @pytest.mark.parametrize(("in_alpha", "in_psi"), [([0, 1], []), ([], [0, 1]), ([0, 1], [0, 1]), ([1], [1])])

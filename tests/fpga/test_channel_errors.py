@@ -14,14 +14,14 @@ CLEAN = np.random.default_rng(0).bytes(20_000)
 ROUGH = ErrorRates(drop=0.01, flip=0.02, insert=0.03, stall=0.005, stall_s=0.25, stall_bytes=3)
 
 
-@given(seed=seeds, sizes=st.lists(st.integers(0, 3000), max_size=12))
+@given(seed=seeds, sizes=st.lists(st.integers(0, 600), max_size=12))
 def test_cutting_changes_nothing(seed, sizes):
     whole, pieces = (ErrorInjector(ROUGH, np.random.default_rng(seed)) for _ in range(2))
-    data, place = b"", 0
-    for size in [*sizes, len(CLEAN)]:
-        data += pieces.apply(CLEAN[place : place + size])
+    sent, data, place = CLEAN[:4000], b"", 0
+    for size in [*sizes, len(sent)]:
+        data += pieces.apply(sent[place : place + size])
         place += size
-    assert data == whole.apply(CLEAN)
+    assert data == whole.apply(sent)
     assert (pieces.counts, pieces.stall_s) == (whole.counts, whole.stall_s)
 
 

@@ -100,14 +100,6 @@ def test_damage_costs_the_messages_it_hits(seed):
     assert split(data, [1] * len(data)) == messages
 
 
-@given(seed=seeds, sizes=st.lists(st.integers(0, 40), max_size=30))
-def test_cutting_changes_nothing(seed, sizes):
-    rng = np.random.default_rng(seed)
-    parts = (STOP, encode_start(5), encode_identity({"a": 1}), rng.bytes(9), b"\x5a\x02\x08\x02")
-    data = b"".join(parts[i][int(rng.integers(3)) :] for i in rng.integers(0, 5, 20))
-    assert split(data, sizes) == split(data)
-
-
 @pytest.mark.parametrize("header", ["5a01ffff", "5a020003", "5a7f0002", "5a5a5a"])
 def test_an_absurd_header_is_not_waited_for(header):
     assert [m.kind for m in split(bytes.fromhex(header) + STOP)] == [MessageKind.STOP]

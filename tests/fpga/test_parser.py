@@ -66,7 +66,7 @@ def test_cutting_changes_nothing(seed, sizes):
     check_books(data, whole[0], *whole[2:])
 
 
-STREAMS = {"motion": motion(24), "fast": motion(24, speed=26.0), "rest": at_rest(12) + motion(12)}
+STREAMS = {"motion": motion(15), "fast": motion(15, speed=26.0), "rest": at_rest(8) + motion(8)}
 
 
 @pytest.mark.parametrize("name", STREAMS)

@@ -13,7 +13,7 @@ from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynami
 
 BETA = np.array([0.12, 0.0026, 0.0227, 0.95, 0.078, 0.08, 0.0036, 0.454, 0.31])
 NOISE = np.array([0.05, 0.03])
-STEPS, H, HARMONICS = 1000, 0.01, 5
+STEPS, H, HARMONICS = 400, 0.025, 5
 ARM = Arm(
     position_limit=((-1.5, 1.2), (-1.4, 2.0)),
     speed_limit=(5.0, 6.0),

@@ -99,8 +99,8 @@ def test_stronger_torque_is_a_stronger_arm(name, kind, factor):
 
 #: What the row of the joint that moves determines while the other one is fixed at an angle: rows of coefficients.
 I1, I2, I3, G1, G2, B1, B2, K1, K2 = np.eye(9)
-AT_REST = [(0, at, [I3, G2, B2, K2]) for at in (0.0, 0.3, 0.7)]
-AT_REST += [(1, at, [I1 + np.cos(at) * I2, B1, K1, *([G1, G2] if at else [G1 + G2])]) for at in (0.0, 0.3, 0.7)]
+AT_REST = [(0, at, [I3, G2, B2, K2]) for at in (0.0, 0.3)]
+AT_REST += [(1, at, [I1 + np.cos(at) * I2, B1, K1, *([G1, G2] if at else [G1 + G2])]) for at in (0.0, 0.7)]
 
 
 @pytest.mark.slow

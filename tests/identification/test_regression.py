@@ -137,12 +137,6 @@ def test_bounds_apply_next_to_a_prior():
     assert found[6] == 0.0
 
 
-def test_known_parameters_count_as_determined():
-    still = replace(R, y=np.zeros_like(R.y))
-    assert excitation(replace(still, prior=Prior(BETA, np.zeros(9)))).rank == 9
-    assert excitation(replace(still, prior=Prior(BETA, np.r_[np.zeros(4), np.full(5, np.inf)]))).rank == 4
-
-
 @pytest.mark.parametrize("name", [name for name in METHODS if name != "instrumental"])
 def test_a_known_parameter_is_unchanged_and_the_others_are_fitted_to_the_rest(name):
     prior, known = prior_of(I1=(1.05 * BETA[0], 0.0), k1=(0.5 * BETA[7], 0.0)), [0, 7]

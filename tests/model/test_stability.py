@@ -8,13 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import feasible_betas, seeds
 
-from repro.export import links_of
 from repro.model.dynamics import mass_matrix
 from repro.model.stability import stability_constants
 from repro.paper.appendix import APPENDIX_NUMBERS, FreeChoices, appendix_arm, reproduced
+from repro.paper.published import load_published
 
 # The simulated arm: the solved parameter set, rounded as far as the printed numbers allow.
 ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00771, 0.4538, 0.228])
+PUBLISHED = load_published()
 
 
 def test_the_six_printed_numbers():
@@ -55,18 +56,17 @@ def test_a_nearby_arm_does_not_reproduce_the_numbers():
         assert not all(reproduced(ARM * np.where(np.arange(9) == k, 1.002, 1.0)).values())
 
 
-@pytest.mark.slow
 @given(
     i1=st.floats(0.1, 0.3),
     l1=st.floats(0.05, 0.25),
     g1=st.floats(0.5, 1.5),
-    k1=st.floats(0.39, 0.52),
+    k1=st.floats(0.39, 0.51),  # joint 1 has the larger viscous friction, too
     k2=st.floats(0.01, 0.38),
 )
 def test_every_member_of_the_family_gives_the_numbers(i1, l1, g1, k1, k2):
-    beta = appendix_arm(FreeChoices(i1, l1, g1, k1, k2))
+    beta = appendix_arm(FreeChoices(i1, l1, g1, k1, k2), PUBLISHED)
     assert (beta > 0).all()
-    assert reproduced(beta) == dict.fromkeys(APPENDIX_NUMBERS, True)
+    assert reproduced(beta, PUBLISHED) == dict.fromkeys(APPENDIX_NUMBERS, True)
 
 
 @pytest.mark.parametrize(
@@ -82,13 +82,6 @@ def test_every_member_of_the_family_gives_the_numbers(i1, l1, g1, k1, k2):
 def test_choices_without_an_arm_are_refused(choice, message):
     with pytest.raises(ValueError, match=message):
         appendix_arm(replace(FreeChoices(), **choice))
-
-
-def test_the_arm_has_links():
-    links = links_of(ARM)
-    assert min(links.m1, links.m2, links.lc1, links.j1, links.j2) > 0
-    assert links.l1 == pytest.approx(0.165, abs=1e-5)
-    assert 0 < links.lc2 < 0.150
 
 
 @given(beta=feasible_betas(), seed=seeds)

@@ -8,9 +8,7 @@ import pandas as pd
 import pytest
 from experiment_example import changed, full_config, refused
 
-from repro.fpga.controller import simulate
-from repro.fpga.plant import Plant, Unmodelled
-from repro.pipeline.experiment import Recording, control_constants, true_parameters
+from repro.pipeline.experiment import Recording, true_parameters
 from repro.signals.programs import ReferenceTrajectory
 from repro.study.arms import Effects, choose, draw_law, excitation_program, with_friction
 from repro.study.design import FACTORS, cells, jobs
@@ -77,17 +75,6 @@ def test_what_is_observed_of_an_arm():
     np.testing.assert_allclose(delayed.observed(arm, recording).tau[:, 3:], found.tau[:, :-3])
     twice = effects.times(np.array([1.0, 2.0]))
     np.testing.assert_allclose(twice.observed(arm, recording).q - q, 2.0 * (found.q - q))
-
-
-def test_an_arm_moves_the_same_in_any_batch():
-    arms = draw_law("wide", np.random.default_rng(5), 3, CONFIG)
-    q = excitation_program(CONFIG, "random").q[:, :300]
-    effects = [Unmodelled(stribeck=(0.3, 0.1 * k), ripple=(0.02, 0.01)) for k in range(3)]
-    phase = np.array([[0.1, 0.2], [1.0, 2.0], [3.0, 0.5]])
-    whole = simulate(Plant(arms, 0.0025, effects, phase, quick=True), control_constants(CONFIG), q)
-    part = simulate(Plant(arms[1:], 0.0025, effects[1:], phase[1:], quick=True), control_constants(CONFIG), q)
-    for together, apart in zip(whole, part, strict=True):
-        np.testing.assert_array_equal(together[1:], apart)
 
 
 def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path):

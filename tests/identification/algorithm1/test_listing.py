@@ -41,36 +41,6 @@ def test_fit2trt_by_hand():
     assert fit2trt(tau, tau_mean) == pytest.approx((10 / 5 + 1 / 2) / 2, rel=1e-15)
 
 
-@pytest.mark.parametrize("normalise", [False, True])
-def test_lines_1_to_12(normalise):
-    found = prepared(signals=replace(SIGNALS, normalise_motion=normalise))
-    dq = literal.derivative(MOTION.q, SIGNALS.h, SIGNALS.c_f)  # 1
-    ddq = literal.derivative(dq, SIGNALS.h, SIGNALS.c_f)  # 2
-    tau = literal.low_pass(TAU, SIGNALS.h, SIGNALS.c_f)  # 3
-    q_c, dq_c, ddq_c, tau_c = (x[:, CUT[0] : CUT[1]] for x in (MOTION.q, dq, ddq, tau))  # 4
-    c_p = np.mean(np.sqrt((MEAN**2).sum(0)) / np.sqrt((tau_c**2).sum(0)))  # 5
-    scaled = tau_c * c_p  # 6
-    q_s, dq_s, ddq_s, tau_s = (literal.subsample(x, SIGNALS.samples) for x in (q_c, dq_c, ddq_c, scaled))  # 7
-    tau_n = tau_s / np.abs(tau_s).max()  # 12
-
-    def same(a, b):
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-10 * np.abs(b).max())
-
-    for name, expected in (("q", q_c), ("dq", dq_c), ("ddq", ddq_c), ("tau", tau_c)):
-        same(signal(found, name), expected)
-    same(found.alpha, tau_n)
-    assert found.c_p == pytest.approx(c_p, rel=1e-10)
-    assert found.torque_scale * found.c_p == pytest.approx(np.abs(tau_s).max(), rel=1e-10)
-    assert np.abs(found.alpha).max() == 1.0
-    image_motion = [q_s, dq_s, ddq_s]
-    if normalise:
-        image_motion = [x / np.abs(x).max(1, keepdims=True) for x in image_motion]
-    for arm in literal.ARMS.values():
-        same(found.model @ arm, inverse_dynamics(*image_motion, arm))
-        same(found.y_sub @ arm, inverse_dynamics(q_s, dq_s, ddq_s, arm))
-        same(found.regression.y @ arm, inverse_dynamics(q_c, dq_c, ddq_c, arm))
-
-
 def test_the_image_may_show_the_motion_that_was_sent():
     """f of the image is on it, and nothing else: torque, comparison and selection stay with the measured motion."""
     sent = MOTION.q + 0.01 * np.sin(np.arange(N) / 50.0)
