@@ -27,8 +27,8 @@ PRIOR = drawn(13, 4000)[1]
 MEAN, COVARIANCE = PRIOR.mean(axis=0), np.cov(PRIOR.T)
 #: What the logarithm of each network's likelihood leaves out, and the steps of its training.
 NETWORKS = {
-    "plain": (PlainNetwork, 0.5 * 9 * np.log(2 * np.pi), 300),
-    "flow": (partial(Flow, mean=MEAN, covariance=COVARIANCE), 0.5 * np.log(np.diag(COVARIANCE)).sum(), 150),
+    "plain": (PlainNetwork, 0.5 * 9 * np.log(2 * np.pi), 150),
+    "flow": (partial(Flow, mean=MEAN, covariance=COVARIANCE), 0.5 * np.log(np.diag(COVARIANCE)).sum(), 80),
 }
 
 

@@ -26,14 +26,14 @@ from repro.ownarm.problem import SCALE_OF_JOINT_1, make_problem
 from repro.ownarm.text import calibration_lines
 
 SETTINGS = FilterSettings()
-CLEAN = log_from(motion, seconds=20.0)
+CLEAN = log_from(motion, seconds=12.0)
 
 
 def noisy(seed, log=CLEAN, size=0.03):
     return with_noise(log, size, seed)
 
 
-def small(share, seconds=20.0):
+def small(share, seconds=12.0):
     """A log of the known motion about the origin, so much smaller."""
     return log_from(lambda t: tuple(share * x for x in motion(t)), seconds=seconds)
 
@@ -176,7 +176,7 @@ def stribeck(t):
     return np.tanh(20.0 * dq) * np.exp(-((dq / 0.5) ** 2))
 
 
-def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02, rotor=0.0, seconds=40.0):
+def log_with(load=(0.0, 0.0), rest=(0.0, 0.0), seed=0, noise=0.02, rotor=0.0, seconds=20.0):
     log = log_from(motion, seconds=seconds, delay=DELAYED.delay)
     more = np.array(load)[:, None] * load_friction(log.t) + np.array(rest)[:, None] * stribeck(log.t)
     more[1] += rotor * motion(log.t + DELAYED.delay)[2][1]
