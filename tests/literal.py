@@ -78,11 +78,6 @@ def image(alpha, psi, scale="shared-max", constant=4.0):
     return z1 / (constant if scale == "constant" else largest(z1)) + z2 / largest(z2)
 
 
-def guess_image(alpha, motion, beta_n, scale="shared-max", constant=4.0):
-    """Line 18: image of a torque and a guess; `motion` is the subsampled (q, dq, ddq)."""
-    return image(alpha, 2 * alpha - inverse_dynamics(*motion, beta_n), scale, constant)
-
-
 def read(network, picture):
     """Lines 19 and 20: sigmoid of the output layer, then its inverse."""
     with torch.no_grad():
@@ -138,7 +133,8 @@ def algorithm1(network, q, tau, tau_mean, signals, cut, search, streams, scale="
         n_e, n_it = 0.0, 0  # 14, 15
         while n_e < u and n_it < o_v:  # 16
             beta_n = streams[k_t].uniform(search.low, search.high, 9)  # 17
-            r = read(network, guess_image(tau_n, image_motion, beta_n, scale))  # 18, 19, 20
+            picture = image(tau_n, 2 * tau_n - inverse_dynamics(*image_motion, beta_n), scale)  # 18
+            r = read(network, picture)  # 19, 20
             images += 1
             beta = r + beta_n  # 21
             if np.any(beta <= 0):  # 22

@@ -131,7 +131,6 @@ BOTH = ((-1, 1), (-1, 1))
     [
         ({"position_limit": None}, None, "position_limit: found nothing, expected two ranges, rad"),
         ({"speed_limit": None}, None, "speed_limit: found nothing, expected two numbers above 0"),
-        ({}, BETA, "torque_limit: found nothing"),
         ({"workspace": BOTH}, None, "link_lengths: found nothing, expected two numbers above 0, m, because"),
         ({"workspace": ((0, 1), (0, 1)), "link_lengths": (0.2, 0.2)}, None, "for the arm at rest at 0, 0 rad"),
         (

@@ -98,9 +98,6 @@ def test_the_pair_and_its_derivatives_are_those_of_the_cosine_series(n, cutoff):
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
 
 
-# Preparation.
-
-
 @pytest.mark.parametrize("cut", [0.1, 0.3, 2.0])
 def test_the_cut_leaves_both_ends_out(cut):
     found = prepare(LOG, FilterSettings(cut=cut, samples_per_cycle=np.inf))
@@ -124,9 +121,6 @@ def test_a_log_that_the_cuts_leave_nothing_of_is_refused(seconds):
     short = replace(LOG, t=LOG.t[:n], q=LOG.q[:, :n], tau=LOG.tau[:, :n])
     with pytest.raises(ValueError, match="leave nothing between cuts"):
         prepare(short, FilterSettings())
-
-
-# Delay.
 
 
 @pytest.mark.slow
@@ -158,9 +152,6 @@ def test_the_standard_error_of_a_delay_is_its_scatter():
     assert 0.95 < np.mean(errors) / np.std(delays) < 1.35
 
 
-# Standstill.
-
-
 @pytest.mark.parametrize(("share", "all_count"), [(0.05, True), (0.19, True), (0.21, False), (0.6, False)])
 def test_standstill_counts_for_a_joint_that_moves_a_fifth_of_the_time(share, all_count):
     whole = prepare(LOG, FilterSettings())
@@ -171,9 +162,6 @@ def test_standstill_counts_for_a_joint_that_moves_a_fifth_of_the_time(share, all
     np.testing.assert_array_equal(kept.mask[0], moves | all_count)
     assert kept.mask[1].all()
     assert kept.tau[0, ~moves].any() == all_count
-
-
-# Cut-off.
 
 
 @pytest.mark.slow
@@ -217,18 +205,12 @@ def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
         assert choice.hertz < 0.6 * choice.highest
 
 
-# Steepness of friction.
-
-
 @pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("steepness", [20.0, 100.0])
 def test_steepness_is_recovered(name, steepness):
     noisy = rounded(with_noise(log_from(log_example.motion, steepness=steepness), 0.003, 4), 1e-5)
     assert choose_steepness(noisy, FilterSettings(name=name, friction_steepness=7.0)) == steepness
-
-
-# Least squares.
 
 
 @pytest.mark.slow

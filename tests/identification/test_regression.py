@@ -44,9 +44,6 @@ def test_a_log_given_as_two_halves_gives_what_it_gave(name):
     np.testing.assert_allclose(beta_of(name, both), beta_of(name, whole), rtol=1e-6)
 
 
-# Standstill.
-
-
 @pytest.fixture(scope="module")
 def stopped():
     """A motion that slows down to a hold of five seconds and goes on; friction carries 0.5 N m during the hold."""
@@ -69,9 +66,6 @@ def test_gravity_is_right_in_spite_of_a_hold_that_friction_carries(stopped, name
     assert np.delete(rows, slice(begin, end), axis=1).mean() > 0.8
     np.testing.assert_array_equal(moving.tau[rows], stopped.tau[rows])
     np.testing.assert_array_equal(moving.y[rows], stopped.y[rows])
-
-
-# Residuals.
 
 
 def test_whiteness_of_a_residual_made_by_hand():

@@ -53,9 +53,6 @@ def error(log, beta, settings=HELD):
     return found
 
 
-# Torque
-
-
 def test_relative_rms_by_hand():
     y, tau = np.zeros((2, 4, 9)), np.array([[3.0, -3.0, 3.0, -3.0], [0.0, 0.0, 8.0, 6.0]])
     y[0, :, 0] = 1.0, -1.0, 1.0, -1.0  # rebuilt +-2 of +-3 N m
@@ -71,9 +68,6 @@ def test_the_error_of_a_joint_without_torque_is_over_the_torques_that_add_up_to_
     r = regression_of(y, np.zeros((2, 4)))
     assert relative_rms(r, beta) == pytest.approx((0.03 / 5.97, 0.0))
     assert relative_rms(r, 0.0 * beta) == similarity(r, beta) == (0.0, 0.0)
-
-
-# Motion
 
 
 @pytest.mark.slow
