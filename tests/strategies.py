@@ -1,4 +1,6 @@
-"""Strategies that several tests share."""
+"""Strategies and cuts that several tests share."""
+
+from itertools import accumulate, pairwise
 
 import numpy as np
 from hypothesis import strategies as st
@@ -6,6 +8,11 @@ from hypothesis import strategies as st
 from repro.model.parameters import Links
 
 seeds = st.integers(min_value=0, max_value=2**32 - 1)
+
+
+def cut(data, sizes):
+    """Pieces of these sizes one after the other, and the rest."""
+    return [data[begin:end] for begin, end in pairwise([0, *accumulate(sizes), len(data)])]
 
 
 def links():

@@ -25,19 +25,13 @@ def build(alpha, psi, scale):
     return assemble(*image_factors(alpha, psi, ImageSettings(scale)))
 
 
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-12), (np.float32, 1e-5)])
 @given(seeds, st.sampled_from(SCALES), st.floats(0.1, 10.0))
-def test_factors_assemble_to_equation_9(seed, scale, constant):
+def test_factors_assemble_to_equation_9_in_the_precision_of_the_signals(dtype, tolerance, seed, scale, constant):
     alpha, psi = signals(seed)
-    found = assemble(*image_factors(alpha, psi, ImageSettings(scale, constant)))
-    np.testing.assert_allclose(found, literal.image(alpha, psi, scale, constant), rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("scale", SCALES)
-def test_single_precision_stays_single_and_close(scale):
-    alpha, psi = signals(0)
-    u, v = image_factors(alpha.astype(np.float32), psi.astype(np.float32), ImageSettings(scale))
-    assert u.dtype == v.dtype == np.float32
-    np.testing.assert_allclose(assemble(u, v), literal.image(alpha, psi, scale), rtol=0, atol=1e-5)
+    u, v = image_factors(alpha.astype(dtype), psi.astype(dtype), ImageSettings(scale, constant))
+    assert u.dtype == v.dtype == dtype
+    np.testing.assert_allclose(assemble(u, v), literal.image(alpha, psi, scale, constant), rtol=0, atol=tolerance)
 
 
 @pytest.mark.parametrize("scale", SCALES)

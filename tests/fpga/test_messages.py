@@ -10,7 +10,7 @@ import pytest
 from fake_board import CONTROL
 from hypothesis import example, given
 from hypothesis import strategies as st
-from strategies import seeds
+from strategies import cut, seeds
 
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import encode
@@ -36,11 +36,7 @@ STOP = encode_message(MessageKind.STOP)
 
 def split(data, sizes=()):
     decoder = MessageDecoder()
-    messages, place = [], 0
-    for size in sizes:
-        messages += decoder.feed(data[place : place + size])
-        place += size
-    return messages + decoder.feed(data[place:])
+    return [message for piece in cut(data, sizes) for message in decoder.feed(piece)]
 
 
 #: Constants whose counts are these numbers.

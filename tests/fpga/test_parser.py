@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import seeds
+from strategies import cut, seeds
 
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.frames import encode
@@ -27,13 +27,9 @@ def at_rest(n, position=(165, 300), pwm=(40, -7)):
     return encode(np.tile(position, (n, 1)).T, np.tile(pwm, (n, 1)).T)
 
 
-def parse(data, sizes=None):
+def parse(data, sizes=()):
     parser = StreamParser()
-    pieces, place = [], 0
-    for size in sizes or [len(data)]:
-        pieces.append(parser.feed(data[place : place + size]))
-        place += size
-    pieces += [parser.feed(data[place:]), parser.finish()]
+    pieces = [*map(parser.feed, cut(data, sizes)), parser.finish()]
     words = [encode(f.position, f.pwm) for f in pieces]
     frames = [w[i : i + 8] for w in words for i in range(0, len(w), 8)]
     offsets = np.concatenate([f.offset for f in pieces]).tolist()

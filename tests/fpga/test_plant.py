@@ -89,7 +89,7 @@ def test_agrees_with_scipy(effects: Unmodelled) -> None:
 
 
 def test_halving_the_steps_changes_no_encoder_count() -> None:
-    """For the arm and the specimen of the stored captures, up to the first fast turns."""
+    """For the arm and the specimen of the stored captures, in their first 3.75 s."""
     config = full_config()
     effects, phase = disturbance(config, config["experiment"]["seed"])
     beta, desired = true_parameters(config), identification_reference(TrajectorySettings()).q[:, :1500]

@@ -214,16 +214,6 @@ def test_steepness_is_recovered(name, steepness):
 
 
 @pytest.mark.slow
-@given(seeds)
-def test_weighted_solution_is_numpy_s(seed):
-    rng = np.random.default_rng(seed)
-    y = random_regressor(rng, int(rng.integers(12, 60)))
-    tau, root = rng.normal(size=y.shape[:2]), rng.uniform(0.1, 3.0, y.shape[:2])
-    expected, *_ = np.linalg.lstsq((root[..., np.newaxis] * y).reshape(-1, 9), (root * tau).reshape(-1))
-    np.testing.assert_allclose(solve(y, tau, root**2), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max())
-
-
-@pytest.mark.slow
 @given(seeds, st.floats(-3.0, 3.0).filter(lambda x: abs(x) > 0.1))
 def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
     """Shortest in torque: columns have unit length when lengths are compared."""

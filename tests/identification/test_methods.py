@@ -95,8 +95,6 @@ def test_stronger_torque_is_a_stronger_arm(name, kind, factor):
     np.testing.assert_array_equal(strong[5:] == 0.0, weak[5:] == 0.0)
 
 
-# Joints that do not move.
-
 #: What the row of the joint that moves determines while the other one is fixed at an angle: rows of coefficients.
 I1, I2, I3, G1, G2, B1, B2, K1, K2 = np.eye(9)
 AT_REST = [(0, at, [I3, G2, B2, K2]) for at in (0.0, 0.3)]
