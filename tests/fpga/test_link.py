@@ -103,7 +103,6 @@ def test_a_recording_that_ends_in_the_middle_stops_the_board_and_keeps_what_arri
 @pytest.mark.parametrize(
     ("frames", "found"),
     [
-        (b"", "found nothing in the 0.2 s after the start .*refused.*, expected 200 frames"),
         (FRAMES[:8], "found 8 bytes without a frame"),  # one alone is not certain
         (bytes(1600), "found 1600 bytes without a frame .*baud rate 115200.*, expected 200 frames"),
     ],
