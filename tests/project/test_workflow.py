@@ -1,16 +1,13 @@
 """The workflow as Snakemake sees it: all targets are there, rules are complete, scripts thin, bad input one line.
 
-Each run of Snakemake takes seconds, so there are few, all in folders of their own.
+Each time that Snakemake loads it takes seconds, so it is loaded a few times, in folders of their own.
 """
 
-import hashlib
 import io
-import json
 import os
 import re
-import subprocess
-import sys
-from contextlib import redirect_stderr, redirect_stdout
+from collections import Counter
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib import import_module
 from inspect import signature
 from pathlib import Path
@@ -20,7 +17,7 @@ import pytest
 import yaml
 from claims_example import write_results
 from kept import same
-from snakemake.api import OutputSettings, ResourceSettings, SnakemakeApi
+from snakemake.api import ConfigSettings, DAGSettings, OutputSettings, ResourceSettings, SnakemakeApi
 from snakemake.cli import main
 
 from repro.exhibits import catalogue
@@ -40,7 +37,7 @@ EXHIBITS = {exhibit.target: exhibit for exhibit in catalogue.EXHIBITS}
 DECLARED = {exhibit.definition: exhibit for exhibit in catalogue.EXHIBITS}
 CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
-QUICK = str(ROOT / "config" / "quick.yaml")
+QUICK = ROOT / "config" / "quick.yaml"
 #: Networks of Tables 4 to 7, and those of the arm, by the suffix of their files.
 NETWORKS = ("", "-tracked")
 ARM_NETWORKS = (*NETWORKS, "-desired", "-tracked-measured")
@@ -57,15 +54,47 @@ def project(folder):
     return folder
 
 
-@pytest.fixture(scope="module")
-def rules(tmp_path_factory):
-    """Every rule by its name, as Snakemake has it."""
-    folder = project(tmp_path_factory.mktemp("rules"))
+def plan(folder, targets, *files):
+    """The workflow with further configuration files, and the jobs of its targets, as Snakemake has them."""
     with pytest.MonkeyPatch.context() as patch, SnakemakeApi(OutputSettings()) as api:
         patch.chdir(folder)
         patch.setattr(os, "environ", os.environ.copy())
-        loaded = api.workflow(ResourceSettings(cores=1), snakefile=ROOT / "Snakefile", workdir=folder)
-        return {rule.name: rule for rule in loaded._workflow.rules}
+        given = {"config_settings": ConfigSettings(configfiles=files), "snakefile": ROOT / "Snakefile"}
+        loaded = api.workflow(ResourceSettings(cores=4), workdir=folder, **given)
+        loaded.dag(DAGSettings(targets=targets))
+        loaded._workflow._prepare_dag(forceall=True, ignore_incomplete=True, lock_warn_only=True)
+        loaded._workflow._build_dag()
+        return loaded._workflow
+
+
+@pytest.fixture(scope="module")
+def full(tmp_path_factory):
+    """The default workflow, with every target."""
+    return plan(project(tmp_path_factory.mktemp("full")), {*COLLECTIONS, "study", SYNTHESIS})
+
+
+@contextmanager
+def others_names():
+    """Put back the names of the workflow loaded before: Snakemake keeps those of all in one module."""
+    module = vars(import_module("snakemake.workflow"))
+    names = module.copy()
+    yield
+    module.update(names)
+
+
+@pytest.fixture(scope="module")
+def quick(full, tmp_path_factory):
+    """The workflow from stored networks, with a board on a port."""
+    folder = project(tmp_path_factory.mktemp("quick"))
+    overlay = folder / "my.yaml"
+    overlay.write_text("experiment: {source: serial, port: ./none}", encoding="utf-8")
+    with others_names():
+        return plan(folder, {"all"}, QUICK, overlay)
+
+
+@pytest.fixture(scope="module")
+def rules(full):
+    return {rule.name: rule for rule in full.rules}
 
 
 @pytest.fixture(scope="module")
@@ -73,97 +102,59 @@ def working(rules):
     return [rule for name, rule in rules.items() if name not in COLLECTIONS]
 
 
-@pytest.fixture
-def folder(tmp_path):
-    return project(tmp_path)
+def needed(workflow, *targets):
+    """Jobs of these targets and all that they need."""
+    dag = workflow.dag
+    return list(dag.bfs(dag.dependencies, *(job for job in dag.jobs if job.rule.name in targets)))
 
 
-def options(*arguments):
-    return ["--snakefile", str(ROOT / "Snakefile"), "--cores", "1", *arguments]
-
-
-def run(folder, *arguments):
-    """Exit code and output of a run with jobs."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "snakemake", *options(*arguments)]
-    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    return ended.returncode, ended.stdout + ended.stderr
-
-
-def snakemake(folder, *arguments):
-    """Exit code and output of a run without jobs, in this process: another one would take seconds to load."""
-    said = io.StringIO()
-    with (
-        pytest.MonkeyPatch.context() as patch,
-        redirect_stdout(said),
-        redirect_stderr(said),
-        pytest.raises(SystemExit) as ended,
-    ):
-        patch.chdir(folder)
-        patch.setattr(os, "environ", os.environ.copy())
-        main(options(*arguments))
-    return ended.value.code, said.getvalue()
-
-
-def summary(folder, *arguments):
-    """Output file -> the rule that makes it, of everything that the default target needs."""
-    code, said = snakemake(folder, "--summary", *arguments)
-    assert code == 0, said
-    lines = said[said.index("output_file\t") :].splitlines()
-    header = lines[0].split("\t")
-    rows = [dict(zip(header, line.split("\t"), strict=False)) for line in lines[1:] if "\t" in line]
-    return {row["output_file"]: row["rule"] for row in rows}
-
-
-@pytest.fixture(scope="module")
-def full(tmp_path_factory):
-    """What the default target makes."""
-    return summary(project(tmp_path_factory.mktemp("full")))
+def outputs(workflow, target):
+    """Output file -> the rule that makes it, of everything that a target needs."""
+    return {str(file): job.rule.name for job in needed(workflow, target) for file in job.output}
 
 
 def test_the_default_target_makes_every_table_and_figure(full):
+    made = outputs(full, "all")
     expected = {f"results/identification/numeric{s}-seed{k}.json" for s in NETWORKS for k in SEEDS}
     expected |= {f"results/identification/experiment{s}-seed{k}.json" for s in ARM_NETWORKS for k in SEARCH_SEEDS}
     expected |= {f"results/identification/{name}-least-squares.json" for name in ("numeric", "experiment")}
-    assert {name for name in full if "/identification/" in name} == expected
-    assert not [name for name in full if "paper-recipe" in name]  # a target that must be named
+    assert {name for name in made if "/identification/" in name} == expected
+    assert not [name for name in made if "paper-recipe" in name]  # a target that must be named
     figures = {f"paper_figures/{name}.{end}" for name in FIGURES for end in ("pdf", "png")}
     numbers = {f"results/figures/{name}.csv" for name in FIGURES}
     tables = {f"results/tables/{name}.{end}" for name in TABLES for end in ("csv", "tex", "md")}
-    drawn = {file: rule for file, rule in full.items() if rule.startswith("draw_")}
+    drawn = {file: rule for file, rule in made.items() if rule.startswith("draw_")}
     assert drawn.keys() == figures | numbers | tables
     assert len({*drawn.values()}) < len(EXHIBITS) / 2
     others = ("model/cnn.safetensors", "model/training.csv", "model/model-card.md", "report/index.html")
     ledger = ("claims.csv", "claims.md", "claims.sha256", "verified.txt")
-    assert {f"results/{name}" for name in (*others, *ledger)} <= full.keys()
+    assert {f"results/{name}" for name in (*others, *ledger)} <= made.keys()
     recordings = {f"results/experiment/{motion}.{end}" for motion in PROGRAMS for end in ("bin", "program", "json")}
-    assert {name for name, rule in full.items() if rule == "acquire"} == recordings
+    assert {name for name, rule in made.items() if rule == "acquire"} == recordings
     scores = {f"results/spread/scores-{k}.csv" for k, _ in enumerate(CONFIG["spread"]["durations_s"])}
-    assert {name for name, rule in full.items() if rule == "score_spread"} == scores
+    assert {name for name, rule in made.items() if rule == "score_spread"} == scores
 
 
-def test_the_quick_run_makes_all_of_the_full_one_from_stored_networks(full, folder):
-    quick = summary(folder, "--configfile", QUICK)
-    moved = {re.sub("^(results|paper_figures)/", r"\1/quick/", name) for name in full}
-    assert set(quick) == {name for name in moved if name.startswith(("results/", "paper_"))}
-    (folder / "data").unlink()
-    assert snakemake(folder, "--dry-run", "results/model/training.csv")[0] == 0  # what is trained needs none
-    said = refused(folder, "results/quick/model/training.csv", "--configfile", QUICK)
-    assert "quick.yaml: training.source: found stored, expected a folder with the stored networks" in said
+def test_the_quick_run_makes_all_of_the_full_one(full, quick):
+    moved = {re.sub("^(results|paper_figures)/", r"\1/quick/", name) for name in outputs(full, "all")}
+    assert set(outputs(quick, "all")) == {name for name in moved if name.startswith(("results/", "paper_"))}
 
 
-def test_each_target_can_be_asked_for_by_its_rule_name(folder):
+def test_a_table_is_made_alone(full):
+    """Unless its job draws others too."""
+    assert set(outputs(full, "audit")) == {f"results/tables/audit.{end}" for end in ("csv", "tex", "md")}
+
+
+def test_each_target_can_be_asked_for_by_its_rule_name(full):
     names = [name for name in sorted(COLLECTIONS - {"all"}) if "ablation" not in name]
-    code, said = snakemake(folder, "--dry-run", *names)
-    assert code == 0, said
-    counts = dict(re.findall(r"^(\w+) +(\d+)$", said, re.MULTILINE))
-    assert {counts.get(name) for name in names} == {"1"}
+    counts = Counter(job.rule.name for job in needed(full, *names))
+    assert {counts[name] for name in names} == {1}
     # "desired" reads with the published network; the paper's recipe has two more.
-    assert counts["train"] == str(len({*NETWORKS, *ARM_NETWORKS} - {"-desired"}) + 2)
-    assert counts["identify_numeric"] == str(len(NETWORKS) + 2)  # every seed in one job
-    assert counts["identify_experiment"] == str(len(ARM_NETWORKS) + 2)
-    assert counts["identify_numeric_least_squares"] == counts["identify_least_squares"] == "1"
-    assert counts["acquire"] == "5"
+    assert counts["train"] == len({*NETWORKS, *ARM_NETWORKS} - {"-desired"}) + 2
+    assert counts["identify_numeric"] == len(NETWORKS) + 2  # every seed in one job
+    assert counts["identify_experiment"] == len(ARM_NETWORKS) + 2
+    assert counts["identify_numeric_least_squares"] == counts["identify_least_squares"] == 1
+    assert counts["acquire"] == 5
 
 
 def test_every_number_of_the_ledger_is_made_by_a_target(rules, tmp_path):
@@ -175,61 +166,56 @@ def test_every_number_of_the_ledger_is_made_by_a_target(rules, tmp_path):
     assert set(claims.loc[~computed, "target"]) <= {*targets, ""}
 
 
-def test_a_serial_port_is_opened_by_one_job_at_a_time(folder):
+def test_a_serial_port_is_opened_by_one_job_at_a_time(full, quick):
     """However many cores there are."""
-    overlay = folder / "my.yaml"
-    overlay.write_text("experiment: {source: serial, port: ./none}", encoding="utf-8")
-    wanted = [f"results/experiment/{motion}.bin" for motion in ("ID", "T1")]
-    code, said = run(folder, "--configfile", str(overlay), "--cores", "4", "--", *wanted)
-    assert code != 0  # there is no such port, so the first job is the last
-    assert re.findall(r"^Execute (\d+) jobs", said, re.MULTILINE) == ["1"]
-
-
-def test_a_table_is_made_alone_with_its_log_and_benchmark(folder):
-    """Unless its job draws others too."""
-    code, said = run(folder, "audit")
-    assert code == 0, said
-    made = {str(p.relative_to(folder)) for p in (folder / "results").rglob("*") if p.is_file()}
-    expected = {f"results/tables/audit.{e}" for e in ("csv", "tex", "md")}
-    expected |= {"results/logs/draw_paper_audit.log", "results/benchmarks/draw_paper_audit.tsv"}
-    assert expected <= made
-    assert not [name for name in made if "/tables/" in name and "audit" not in name]
-    record = json.loads((folder / "results/ro-crate-metadata.json").read_text(encoding="utf-8"))
-    sums = {entity["name"]: entity["sha256"] for entity in record["@graph"] if "sha256" in entity}
-    tables = {name for name in expected if "/tables/" in name}
-    assert tables == {name for name in sums if name.startswith("results/tables/")}
-    assert all(sums[name] == hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in tables)
-    assert not (folder / "paper_figures").exists()
+    assert quick.global_resources["serial_port"].value == 1
+    for workflow, ports in ((quick, 1), (full, 0)):
+        recordings = [job for job in workflow.dag.jobs if job.rule.name == "acquire"]
+        assert [job.resources["serial_port"] for job in recordings] == [ports] * 5
 
 
 def refused(folder, *arguments):
     """The one line that a run ends with, and exit code 2."""
-    code, said = snakemake(folder, "--dry-run", *arguments)
-    assert code == 2, said
-    (line,) = (line for line in said.splitlines() if ": found " in line)
-    assert not re.search(r"Traceback|Error in|Exception|File \"", said)
+    options = ["--snakefile", str(ROOT / "Snakefile"), "--cores", "1", "--dry-run", *arguments]
+    said = io.StringIO()
+    with (
+        others_names(),
+        pytest.MonkeyPatch.context() as patch,
+        redirect_stdout(said),
+        redirect_stderr(said),
+        pytest.raises(SystemExit) as ended,
+    ):
+        patch.chdir(folder)
+        patch.setattr(os, "environ", os.environ.copy())
+        main(options)
+    assert ended.value.code == 2, said.getvalue()
+    (line,) = (line for line in said.getvalue().splitlines() if ": found " in line)
+    assert not re.search(r"Traceback|Error in|Exception|File \"", said.getvalue())
     assert not (folder / "results").exists()
     return line
 
 
-def test_a_bad_configuration_ends_the_run_with_one_line(folder):
+def test_a_bad_configuration_ends_the_run_with_one_line(tmp_path):
+    folder = project(tmp_path)
     overlay, captures = folder / "my.yaml", folder / "mine"
     overlay.write_text("training: {stepz: 5}", encoding="utf-8")
     assert refused(folder, "--configfile", str(overlay)).startswith(f"{overlay}: training.stepz: found an unknown key")
-    assert refused(folder, "--config", "stepz=3").startswith("command line: stepz: found an unknown key")
     captures.mkdir()  # without check sums
     for file in (ROOT / "data/captures").glob("*.[bpj]*"):
         (captures / file.name).symlink_to(file)
     overlay.write_text("experiment: {captures: mine}", encoding="utf-8")
     line = refused(folder, "claims", "--configfile", str(overlay))
     assert line.startswith(f"{overlay}: experiment.captures: found ") and "SHA256SUMS" in line
+    (folder / "data").unlink()
+    line = refused(folder, "results/quick/model/training.csv", "--configfile", str(QUICK))
+    assert "quick.yaml: training.source: found stored, expected a folder with the stored networks" in line
 
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.
 STAGES = {"prepare": 0, "train": 1, "identify": 2, "evaluate": 3}
 
 
-def test_what_shares_a_job_of_the_cluster_can_run_in_one(folder, working):
+def test_what_shares_a_job_of_the_cluster_can_run_in_one(full, working):
     """Each rule has its stage, and no input of a stage is made in a later one."""
     profile = yaml.safe_load((WORKFLOW / "profiles" / "slurm" / "config.yaml").read_text(encoding="utf-8"))
     stage = dict(entry.split("=") for entry in profile["groups"])
@@ -238,14 +224,11 @@ def test_what_shares_a_job_of_the_cluster_can_run_in_one(folder, working):
     alone |= dict.fromkeys(("train", "ablation_train", "train_factorial", "study_train"), "train")
     assert stage.keys() == {rule.name for rule in working} - alone.keys()
     stage |= alone
-    targets = ("all", "ablation", "paper_recipe", "factorial", "tutorials", "study", SYNTHESIS)
-    code, said = snakemake(folder, "--rulegraph", "dot", "--", *targets)
-    assert code == 0, said
-    names = dict(re.findall(r'(\d+)\[label = "(\w+)"', said))
-    edges = [(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", said)]
-    assert set(names.values()) >= stage.keys()
-    for maker, user in edges:
-        assert user in COLLECTIONS or STAGES[stage[maker]] <= STAGES[stage[user]], (maker, user)
+    assert {job.rule.name for job in full.dag.jobs} >= stage.keys()
+    for job in full.dag.jobs:
+        for maker in full.dag.dependencies[job]:
+            names = (maker.rule.name, job.rule.name)
+            assert job.rule.name in COLLECTIONS or STAGES[stage[names[0]]] <= STAGES[stage[names[1]]], names
 
 
 def test_logs_and_benchmarks_of_two_jobs_never_meet(working):
