@@ -16,7 +16,7 @@ from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline import simulated_arms
 from repro.pipeline.coverage import distances, novelty_limit
-from repro.pipeline.experiment import program_from_config, read_recording
+from repro.pipeline.experiment import acquire, program_from_config, read_recording
 from repro.pipeline.identifications import mean_training_torque
 from repro.pipeline.simulated_arms import sampled_tracks, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
@@ -25,11 +25,11 @@ pytestmark = pytest.mark.slow
 
 CONFIG = changed(
     of_network(full_config(), "tracked"),
+    signals={"duration_s": 4.7},  # half of the motion
     data={"tracked": {"arms": 64}},
     coverage={"arms": 40, "guesses": 20, "levels": [0.5, 0.9], "seed": 3},
 )
 SIGNALS = signal_settings(CONFIG)
-CAPTURE = Path(CONFIG["experiment"]["captures"]) / "ID.bin"
 
 
 class Reader:
@@ -61,14 +61,22 @@ def motions(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def tables(motions):
+def recorded(tmp_path_factory):
+    """The simulated arm on the same motion."""
+    path = tmp_path_factory.mktemp("arm") / "ID.bin"
+    acquire("ID", path, changed(CONFIG, experiment={"source": "simulated"}))
+    return path
+
+
+@pytest.fixture(scope="module")
+def tables(motions, recorded):
     algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(CONFIG), refinement_settings(CONFIG))
     tau_mean = mean_training_torque(SIGNALS, data_settings(CONFIG), 1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stage, "ResidualEstimator", Reader)
         patch.setattr(stage, "algorithm1_of", lambda *_: algorithm1)
         patch.setattr(stage, "read_mean_torque", lambda *_: tau_mean)
-        return stage.check_coverage([CAPTURE], Path(), motions, Path(), "", CONFIG)
+        return stage.check_coverage([recorded], Path(), motions, Path(), "", CONFIG)
 
 
 def test_calibrated_intervals_cover_where_the_guesses_do_not(tables):
@@ -102,7 +110,7 @@ def test_joint_factors_by_hand():
     np.testing.assert_allclose(stage.joint_factors(factors, calibration, (0.4, 0.5)), [1.5, 2.0])
 
 
-def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tables):
+def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tables, recorded):
     own = tables[2]
     assert list(own["parameter"]) == list(NAMES)
     back_emf = CONFIG["arm"]["back_emf_nm_s_per_rad"] * np.isin(NAMES, ("b1", "b2"))
@@ -112,7 +120,7 @@ def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tab
     assert (own["warned"] == 0).all()
     assert (own["level"] == 0.9).all()
     # As wide, in units of the largest torque, as those of the arms it was calibrated on; half that at level 0.5.
-    largest = np.abs(read_recording(CAPTURE, CONFIG).regression(SIGNALS).tau).max()
+    largest = np.abs(read_recording(recorded, CONFIG).regression(SIGNALS).tau).max()
     half = (own["high"] - own["low"]).to_numpy() / 2 / largest
     known = tables[0].query("arms == 'unmodelled' and level == 0.9")["width"].dropna().to_numpy()
     assert 0.7 < np.median(half / known) < 1.4

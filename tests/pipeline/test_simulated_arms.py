@@ -30,7 +30,8 @@ from repro.signals.programs import peaks
 pytestmark = pytest.mark.slow
 
 CONFIG = full_config()
-TRACKED = of_network(CONFIG, "tracked")
+#: Half of the motion that networks are trained on.
+TRACKED = changed(of_network(CONFIG, "tracked"), signals={"duration_s": 4.7})
 
 
 def small(arms=6, **tracked):
