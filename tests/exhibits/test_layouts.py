@@ -31,20 +31,6 @@ def test_formulas_balance(text: str) -> None:
     assert "|" not in re.sub(r"\\.", "", made.md)
 
 
-def test_markup_of_formulas_and_units() -> None:
-    assert markup.formula("tau1") == markup.Text(r"$\tau_{1}$", "τ₁")
-    assert markup.formula("beta").tex == r"$\beta $"
-    assert markup.formula("sqrt(x)^0.4").tex == r"$\mathrm{sqrt}(x)^{0.4}$"
-    assert markup.formula("x^p").md == "x^p"
-    assert markup.formula("||x - y||^2").tex == r"$\vert \vert x - y\vert \vert ^{2}$"
-    assert markup.formula("|x|_1") == markup.Text(r"$\vert x\vert _{1}$", r"\|x\|₁")
-    remark = markup.formula("corr(x, y), in the signal's unit")
-    assert remark.tex == r"$\mathrm{corr}(x,\,y)$, in the signal's unit"
-    assert markup.unit("1").md == "\N{EN DASH}"
-    assert markup.unit("N m").md == "N·m"
-    assert markup.number(-0.12345, 4).md == "-0.1235"
-
-
 def test_a_table_names_what_is_missing(tmp_path: Path) -> None:
     frame = TABLES["table07"]()
     assert "N4" in refused(laid_out, tmp_path, "table07", frame[frame["case"] != "N4"])

@@ -15,8 +15,10 @@ from kept import same
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.network import FactoredCNN
 from repro.exhibits import catalogue, network_training, style
+from repro.exhibits.arm_experiment import stability_table
 from repro.exhibits.declare import make_exhibit
 from repro.files import write_csv
+from repro.pipeline.experiment import true_parameters
 from repro.signals.programs import PROGRAMS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -83,6 +85,12 @@ def test_the_kept_synthesis_gives_the_kept_size_of_the_board(tmp_path):
     sizes = pd.read_csv(out["csv"]).set_index(["block", "quantity"])
     tables, flip_flops = sizes.loc["board", "least"][["lut", "flip_flops"]]
     assert sizes.loc["board", :].loc["elements"].tolist() == [max(tables, flip_flops), tables + flip_flops]
+
+
+def test_the_stability_table_names_a_condition_that_does_not_hold():
+    slack = np.where(np.arange(9) < 5, true_parameters(CONFIG), 1e-9)
+    table = stability_table({"true": slack}, ["true"]).set_index("quantity")
+    assert not table["holds"]["Dissipation (Eq. 18)"]
 
 
 def test_kernel_power_peaks_at_the_frequency_of_the_kernel():

@@ -1,7 +1,6 @@
-"""The numeric experiment: scores are of their own torques, and a network that reads images perfectly finds the arms."""
+"""The numeric experiment: a network that reads images perfectly finds the arms."""
 
 import numpy as np
-import pytest
 import torch
 from experiment_example import full_config
 
@@ -9,17 +8,13 @@ from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
-from repro.model.dynamics import inverse_dynamics
 from repro.pipeline.identifications import (
     identify_arms,
     least_squares_of_arms,
     mean_training_torque,
-    motion_of,
-    score_estimates,
 )
 from repro.settings import signal_settings
 from repro.signals.dct import image_regressor
-from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
 
 ARMS = {
@@ -30,24 +25,6 @@ CONFIG = full_config()
 CONFIG["numeric"] |= {"arms": {name: beta.tolist() for name, beta in ARMS.items()}, "validation_samples": 3770}
 SIGNALS = signal_settings(CONFIG)
 AWARE = ImageSettings("constant", 4.0)
-
-
-@pytest.mark.parametrize("formula", TIME_FORMULAS)
-def test_each_row_compares_the_torques_of_its_own_trajectory_seed_and_joint(formula):
-    metric, true, estimate = MetricSettings(formula), ARMS["N1"], ARMS["N1"] * np.linspace(0.97, 1.03, 9)
-    arms = {"N1": {"true": true.tolist(), "methods": {"algorithm1": {"beta": estimate.tolist()}}}}
-    runs = [{"variant": "published", "seed": seed, "arms": arms} for seed in (1, 2)]
-    scores = score_estimates(runs, CONFIG, metric)
-    assert list(scores.columns) == ["case", "method", "seed", "trajectory", "joint", "time", "frequency", "total"]
-    for row in scores.itertuples():
-        motion = motion_of(row.trajectory, CONFIG, row.seed)
-        tau, rebuilt = (inverse_dynamics(motion.q, motion.dq, motion.ddq, b) for b in (true, estimate))
-        expected = metr2ev(tau[row.joint - 1], rebuilt[row.joint - 1], metric)
-        found = (row.time, row.frequency, row.total)
-        assert found == pytest.approx((expected.time, expected.frequency, expected.total), rel=1e-12)
-    different = scores.groupby(["trajectory", "joint"])["total"].nunique()
-    assert (different["ID"] == 1).all()  # the same motion for every seed
-    assert (different["validation"] == 2).all()
 
 
 class PerfectNetwork:

@@ -9,13 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from repro.errors import InputError
-from repro.model.parameters import NAMES, UNITS
-from repro.pipeline.summary import experiment_table, median_cells, median_seeds, parameter_table
+from repro.pipeline.summary import median_cells, median_seeds
 
 CASES = ("N1", "N2")
 TWO = ("algorithm1", "algorithm1+refinement")
 SIMILARITY = ["case", "method", "joint", "time", "frequency", "total", "total_sd", "seeds"]
-PARAMETERS = ["case", "method", "parameter", "unit", "true", "estimate", "estimate_sd"]
 
 
 def make_scores(seeds, level, methods=TWO):
@@ -74,62 +72,6 @@ def test_equal_values_have_no_spread():
     assert (table["seeds"] == 3).all()
 
 
-#: Totals of Algorithm 1 by motion and seed. The mean of both joints on ID puts seed 2 in the middle; the median of
-#: joint 1 on ID is that of seed 1, and the median on T1 that of seed 3.
-TOTALS = {"ID": {1: (0.5, 0.2), 2: (0.3, 0.8), 3: (0.9, 0.9)}, "T1": {1: (0.1, 0.7), 2: (0.9, 0.1), 3: (0.4, 0.4)}}
-
-
-def test_a_block_of_one_run_is_of_the_seed_that_is_the_median_on_id_and_medians_stay():
-    rows = [
-        (case, method, seed, joint, 2.0 * both[joint - 1], 0.5, both[joint - 1])
-        for case, of_case in TOTALS.items()
-        for method in ("least-squares", "algorithm1")
-        for seed, both in of_case.items()
-        for joint in (2, 1)
-    ]
-    columns = ["case", "method", "seed", "joint", "time", "frequency", "total"]
-    table = experiment_table(pd.DataFrame(rows, columns=columns))
-    assert list(table.columns) == SIMILARITY
-    expected = {
-        "algorithm1": (0.5, 0.8, 0.4, 0.4),
-        "algorithm1/one-run": (0.3, 0.8, 0.9, 0.1),
-        "least-squares": (0.5, 0.8, 0.4, 0.4),
-    }
-    places = [("ID", 1), ("ID", 2), ("T1", 1), ("T1", 2)]
-    rows = [(method, *place) for method in expected for place in places]
-    assert list(table[["method", "case", "joint"]].itertuples(index=False, name=None)) == rows
-    assert table["total"].tolist() == [total for totals in expected.values() for total in totals]
-    np.testing.assert_allclose(table["time"], 2.0 * table["total"])
-    one = table["method"] == "algorithm1/one-run"
-    assert (table.loc[one, "seeds"] == 1).all()
-    assert (table.loc[one, "total_sd"] == 0.0).all()
-    assert (table.loc[~one, "seeds"] == 3).all()
-    assert (table.loc[~one, "total_sd"] > 0).all()
-
-
 def test_a_method_without_a_place_in_the_tables_is_refused_in_one_line():
     with pytest.raises(InputError, match=r"^results: method: found guessing, expected one of algorithm1, "):
         median_cells(make_scores((1,), lambda *_: (0.9, 0.8), methods=("guessing",)))
-
-
-def run_of(seed):
-    """Estimates of the true parameters plus a tenth of the seed, and 1 more by the second method."""
-    arms = {}
-    for k, case in enumerate(CASES):
-        true = 0.1 * (k + 1) + 0.01 * np.arange(9)
-        methods = {method: {"beta": (true + 0.1 * seed + m).tolist()} for m, method in enumerate(TWO)}
-        arms[case] = {"true": true.tolist(), "methods": methods}
-    return {"variant": "published", "seed": seed, "arms": arms}
-
-
-def test_parameters_are_those_of_the_seed_that_the_similarity_is_of():
-    totals = {1: 0.3, 2: 0.9, 3: 0.5}
-    table = parameter_table([run_of(seed) for seed in totals], make_scores(totals, by_seed(totals)), CASES)
-    assert list(table.columns) == PARAMETERS
-    assert len(table) == len(CASES) * len(TWO) * 9
-    offset = 0.3 + table["method"].map({TWO[0]: 0, TWO[1]: 1})
-    np.testing.assert_allclose(table["estimate"], table["true"] + offset, rtol=1e-12)
-    np.testing.assert_allclose(table["estimate_sd"], 0.1, rtol=1e-9)  # of 0.1, 0.2 and 0.3
-    for _, group in table.groupby(["case", "method"]):
-        assert tuple(group["parameter"]) == NAMES
-        assert tuple(group["unit"]) == UNITS

@@ -129,25 +129,6 @@ def test_what_comes_from_a_file_is_escaped(text, page):
     assert TRICKY in page.one("audit")["text"]
 
 
-def test_the_first_section_counts_what_agrees(inputs, page):
-    claims = read_claims(inputs.results / "claims.csv")
-    short, still_open = " ".join(page.one("short")["text"].split()), 0
-    for basis, words in (("numeric", "paper.s own numeric tests"), ("simulated arm", "arm")):
-        own = [claim["verdict"] for claim in claims if "@" not in claim["id"] and claim["basis"] == basis]
-        agree, differ = own.count("reproduced") + own.count("better"), own.count("differs")
-        assert min(agree, len(own) - agree - differ) > 0
-        assert re.search(f"Of {len(own)} numbers of the {words}, {agree} agree and {differ} differ", short)
-        still_open += len(own) - agree - differ
-    assert f"{still_open} of these numbers are open" in short
-    assert answer(inputs)[0] in short
-
-
-def test_a_number_has_one_decimal_more_than_published_and_is_in_its_column(page):
-    (row,) = [row for row in page.rows("ledger") if row[0].endswith("table06/N3/total/2")]
-    assert row[2:6] == ["95.38 %", "95.503 %", "+0.123", "0.005"]
-    assert "table06/N3/total/2, published 95.38 %, ours 95.503 %" in " ".join(page.one("differences")["text"].split())
-
-
 def test_a_run_ends_with_table_10(inputs):
     table = pd.read_csv(inputs.results / "tables/table10.csv").query("method == 'least-squares'").set_index("case")
     (line,) = (line for line in closing_lines(inputs.results, inputs.figures) if line.startswith("  Least squares  "))
