@@ -20,12 +20,6 @@ def unit_length(r):
     return rows_of(r)[:, moved] / length[moved], moved
 
 
-def slowed(factor):
-    """The regression of the same path at another pace."""
-    q, dq, ddq = motion(factor * T)
-    return exact((q, factor * dq, factor**2 * ddq))
-
-
 def combinations(words):
     """Coefficients of combinations such as ``I1 + 0.31 I3 - 2 g1``, a row each."""
     found = np.zeros((len(words), 9))
@@ -37,7 +31,8 @@ def combinations(words):
 
 @pytest.mark.parametrize("pace", [1.0, 0.3, 0.05, 2.0])
 def test_rank_condition_and_correlation_of_friction_are_those_of_the_columns_of_unit_length(pace):
-    r = slowed(pace)
+    q, dq, ddq = motion(pace * T)
+    r = exact((q, pace * dq, pace**2 * ddq))
     result = excitation(r)
     a, moved = unit_length(r)
     assert moved.size == 9
