@@ -96,8 +96,16 @@ class Identification:
         return replace(self, method=method)
 
     @property
+    def _shown(self) -> Result:
+        """The details with this method as the recommended one; each log alone was fitted by that one."""
+        if self.method == self.details.recommended:
+            return self.details
+        reason = f"instead of {self.details.best.title}, which is recommended"
+        return replace(self.details, recommended=self.method, reason=reason, runs=())
+
+    @property
     def _best(self) -> MethodResult:
-        return next(m for m in self.details.methods if m.method == self.method)
+        return self._shown.best
 
     @property
     def beta(self) -> Array:
@@ -122,7 +130,7 @@ class Identification:
     @property
     def residuals(self) -> pd.DataFrame:
         """Measured torque, rebuilt torque and their difference at each sample of each log and joint, N m."""
-        return residuals_table(replace(self.details, recommended=self.method), self._curves)
+        return residuals_table(self._shown, self._curves)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -201,14 +209,14 @@ class Identification:
             return draw_overlay(self._curves.signals[log], {self.method: self._best.title}, self.details.simulated)
 
     def save(self, folder: str | Path, overwrite: bool = False) -> list[str]:
-        """Write parameters, scores, residuals, report and models of the arm.
+        """Write parameters, scores, residuals, report and models of the arm, by the recommended method.
 
         Parameters
         ----------
         folder : path
             New, or empty, or that of an earlier result.
         overwrite : bool
-            Whether files of an earlier result may be replaced.
+            Whether files with the names of these may be replaced.
 
         Returns
         -------
@@ -218,15 +226,21 @@ class Identification:
         Raises
         ------
         InputError
-            If the folder contains files and `overwrite` is not given, or cannot be written.
+            If the folder contains files and `overwrite` is not given, or cannot be written, or `of` chose another
+            method than the recommended one.
         """
         from repro.ownarm.outputs import write_result  # noqa: PLC0415
 
+        _check_kind("folder", folder, (str, Path), "a path")
+        _check_kind("overwrite", overwrite, bool, "True or False")
+        if self.method != self.details.recommended:
+            expected = f"the recommended {self.details.recommended!r}, or identify(..., method={self.method!r})"
+            raise InputError.at("method", repr(self.method), expected)
         check_folder(Path(folder), overwrite)
         return write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
 
     def __str__(self) -> str:
-        return summary(self.details)
+        return summary(self._shown)
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{p.name}={p.estimate:.4g}" for p in self._best.parameters)
@@ -324,7 +338,7 @@ def identify(
     _check_kind("cache", cache, (str, Path, NoneType), "a path")
     for name, switch in (("friction", friction), ("self_test", self_test)):
         _check_kind(name, switch, bool, "True or False")
-    described = arm if isinstance(arm, Arm) else read_arm(None if arm is None else Path(arm))
+    described = arm if isinstance(arm, Arm) else read_arm(arm)
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)
     options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, before, friction)

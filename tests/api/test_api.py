@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -123,6 +124,12 @@ def test_strict_refuses_what_must_not_be_used(tmp_path, capsys, no_figures):
     assert main(["identify", LOG, "--method", "consistent", "-o", str(tmp_path / "good"), "--strict"]) == 0
 
 
+def test_a_result_that_nobody_reads_is_written(tmp_path, monkeypatch, capsys, no_figures):
+    monkeypatch.setattr("builtins.print", Mock(side_effect=BrokenPipeError))  # as after `| head -1`
+    assert main(["identify", LOG, "--method", "bounded", "-o", str(tmp_path / "out")]) == 1
+    assert (tmp_path / "out" / "parameters.json").exists()
+
+
 def test_arrays_and_frames_give_the_numbers_of_a_file(tmp_path):
     log = repro.read_log(LOG).piece(0, 3000)
     frame = table_of(log.t, log.q, log.tau)
@@ -133,11 +140,13 @@ def test_arrays_and_frames_give_the_numbers_of_a_file(tmp_path):
     assert (file == arrays).all()
 
 
-def test_a_turned_arm_is_read_by_its_conventions():
+def test_a_turned_arm_is_read_by_its_conventions(tmp_path):
     log = repro.read_log(LOG)
     arm = repro.Arm(zero=(0.3, -0.2), sign=(1.0, -1.0))
     turned = repro.Log(t=log.t, q=log.q * [[1.0], [-1.0]] + [[0.3], [-0.2]], tau=log.tau * [[1.0], [-1.0]])
-    assert repro.read_log(turned, arm).q == pytest.approx(log.q, abs=1e-12)
+    (tmp_path / "arm.yaml").write_text("{zero: [0.3, -0.2], sign: [1, -1]}")
+    for described in (arm, tmp_path / "arm.yaml", str(tmp_path / "arm.yaml")):
+        assert repro.read_log(turned, described).q == pytest.approx(log.q, abs=1e-12)
 
 
 def test_warnings_contain_those_of_the_log():
@@ -218,7 +227,7 @@ def test_networks_are_kept_where_the_user_says(tmp_path, monkeypatch):
         repro.identify(LOG, method="algorithm1", steps=1)
 
 
-def test_tables_and_drawing_of_a_result(result):
+def test_tables_and_drawing_of_a_result(result, tmp_path):
     assert list(result.parameters.index) == ["I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2"]
     assert set(result.errors["part"]) == {"fit", "half", "validation"}
     assert set(result.residuals["log"]) == {"T3.bin", "T1.bin"}
@@ -230,9 +239,17 @@ def test_tables_and_drawing_of_a_result(result):
     named = replace(result, details=replace(result.details, arm="<i>", warnings=("<b>.csv: slow",)))
     assert "<b>&lt;i&gt;" in named._repr_html_()
     assert "<li>&lt;b&gt;.csv: slow</li>" in named._repr_html_()
-    for call, place in ((lambda: result.of("robust"), "method"), (lambda: result.plot(7), "log: found 7")):
+    assert str(result.of("bounded")).startswith("arm (simulated): bounded least squares, instead of ordinary least")
+    for call, place in (
+        (lambda: result.of("robust"), "method"),
+        (lambda: result.plot(7), "log: found 7"),
+        (lambda: result.of("bounded").save(tmp_path / "out"), "method: found 'bounded'"),
+        (lambda: result.save(tmp_path / "out", overwrite="no"), "overwrite: found 'no'"),
+        (lambda: result.save(None), "folder: found None"),
+    ):
         with pytest.raises(repro.InputError, match=f"^{place}"):
             call()
+    assert not (tmp_path / "out").exists()
 
 
 def test_simulation_agrees_with_an_independent_integrator(result):

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = "Example: repro excite --arm arm.yaml -o OUT. Guide: docs/own-arm.md."
     add("--arm", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
     add("-o", "--out", required=True, type=folder, help="folder for the motion and its accuracy")
-    add("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
+    add("--overwrite", action="store_true", help="replace files of the same names in that folder")
     add("--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too")
     add("--duration", type=seconds, default=20.0, help="of the motion, s (default: 20)")
     add("--harmonics", type=integer(1, 1000), default=12, help="highest multiple of 1/duration in it (default: 12)")

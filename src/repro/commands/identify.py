@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "plane; least-squares takes seconds, the CNN half a minute and more)",
     )
     add("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
-    add("--overwrite", action="store_true", help="replace files of an earlier run in that folder")
+    add("--overwrite", action="store_true", help="replace files of the same names in that folder")
     add("--filter", choices=FILTERS, default="dct", help="zero-phase filter (default: dct)")
     add("--cutoff", type=number(0.1, 1000.0, "a frequency in Hz"), help="cut-off in Hz (default: chosen from the log)")
     add("--seed", type=seed, default=1, help="of standard errors and search (default: 1)")
@@ -75,8 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
     with options_named("cutoff", "method", "validate", "cache"):
         sources = [_source(arguments, log) for log in arguments.logs]
         result = identify(sources, method=method, **{name: getattr(arguments, name) for name in same})
-    print(result, flush=True)
     files = result.save(arguments.out, arguments.overwrite)
+    print(result)
     print(f"written to {arguments.out}: {', '.join(files)}")
     if arguments.strict and result.unusable:
         print(f"--strict: {result.unusable}")

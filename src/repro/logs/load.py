@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, recording_of
-from repro.logs.armfile import Arm, Signal
+from repro.logs.armfile import Arm, Signal, read_arm
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor
 from repro.logs.log import FEWEST, SHORTEST, STILL, Log, segments
 from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
@@ -30,7 +30,7 @@ Source = Path | pd.DataFrame | Log
 _WRAP = 0.05  # steps within this fraction of a full turn are the wrap of an angle
 
 
-def read_log(source: str | Source, arm: Arm | None = None) -> Log:
+def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
     """Read a recording as SI and angles of Eq. 1.
 
     Parameters
@@ -38,7 +38,7 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
     source : path, DataFrame or Log
         Capture ``NAME.bin`` with its sidecar, ROS 2 bag, or else a CSV table; a DataFrame has the columns of a table;
         arrays of a `Log` are SI.
-    arm : Arm, optional
+    arm : path or Arm, optional
         Conventions that the recording does not state itself. Columns and units are for tables alone.
 
     Returns
@@ -59,7 +59,7 @@ def read_log(source: str | Source, arm: Arm | None = None) -> Log:
     >>> run.q.shape, run.simulated
     ((2, 4150), True)
     """
-    arm = arm or Arm()
+    arm = arm if isinstance(arm, Arm) else read_arm(arm)
     source = Path(source) if isinstance(source, str) else source
     if isinstance(source, Log):
         place, raw = source.name, _from_arrays(source, arm)
