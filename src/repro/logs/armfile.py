@@ -23,11 +23,16 @@ Kind = Literal["time", "position", "velocity", "torque"]
 _LARGEST, _SMALLEST = 1e9, 1e-6  # largest number of an arm and smallest limit; their squares must not overflow
 
 
-def _radians(angle: float) -> float:
-    if abs(angle) > 2.0 * np.pi:
-        converted = f"if it is in degrees: {np.radians(angle):.5g}"
-        raise PydanticCustomError("radians", f"radians within a turn, whatever the unit of the log ({converted})")
-    return angle
+def _radians(most: float, expected: str) -> AfterValidator:
+    """Allow a number that can be in radians; a larger one is in degrees."""
+
+    def checked(value: float) -> float:
+        if abs(value) > most:
+            converted = f"if it is in degrees: {np.radians(value):.5g}"
+            raise PydanticCustomError("radians", f"{expected}, whatever the unit of the log ({converted})")
+        return value
+
+    return AfterValidator(checked)
 
 
 def _only(allowed: Callable[[Any], bool], expected: str) -> AfterValidator:
@@ -48,13 +53,16 @@ _Positive = Annotated[float, Field(ge=_SMALLEST, le=_LARGEST)]
 _Sign = Annotated[_Number, _only(lambda value: abs(value) == 1.0, "two numbers, each 1 or -1")]
 _ENOUGH = f"two numbers other than 0, with magnitudes of {_SMALLEST:g} and more"
 _Constant = Annotated[_Number, _only(lambda value: abs(value) >= _SMALLEST, _ENOUGH)]
-_Angle = Annotated[_Number, AfterValidator(_radians)]
+_Angle = Annotated[_Number, _radians(2.0 * np.pi, "radians within a turn")]
 _rising = _only(lambda pair: pair[0] < pair[1], "the lower one first")
 _apart = _only(lambda pair: pair[1] - pair[0] >= _SMALLEST, f"ends {_SMALLEST:g} and more apart")
 _Range = Annotated[tuple[_Number, _Number], _Both, _rising, _apart]
 _TwoPositive = Annotated[tuple[_Positive, _Positive], _Both]
 _TwoSigns = Annotated[tuple[_Sign, _Sign], _Both]
 _TwoRanges = Annotated[tuple[_Range, _Range], _Both]
+_Reachable = Annotated[_Number, _radians(4.0 * np.pi, "radians within two turns")]
+_Turn = Annotated[tuple[_Reachable, _Reachable], _Both, _rising, _apart]
+_Speed = Annotated[_Positive, _radians(20.0 * np.pi, "rad/s up to ten turns a second")]
 _different = _only(lambda names: len(set(names.values())) == len(names), "a different column for each signal")
 _Automatic = BeforeValidator(lambda value: None if value == "auto" else value)
 
@@ -165,12 +173,13 @@ class Arm:
         "two numbers above 0, the largest torque of joint 1 and of joint 2, N m",
         "without it a largest value that occurs repeatedly counts as one",
     )
-    position_limit: _TwoRanges | None = _key(
+    position_limit: Annotated[tuple[_Turn, _Turn], _Both] | None = _key(
         "two ranges, lowest and highest angle of Eq. 1 of joint 1 and of joint 2, rad",
-        "for `repro excite`; joint 2 relative to link 1, whatever `zero` and `sign` state",
+        "for `repro excite`, within two turns; joint 2 relative to link 1, whatever `zero` and `sign` state",
     )
-    speed_limit: _TwoPositive | None = _key(
-        "two numbers above 0, the largest speed of joint 1 and of joint 2, rad/s", "for `repro excite`"
+    speed_limit: Annotated[tuple[_Speed, _Speed], _Both] | None = _key(
+        "two numbers above 0, the largest speed of joint 1 and of joint 2, rad/s",
+        "for `repro excite`, up to ten turns a second",
     )
     workspace: _TwoRanges | None = _key(
         "two ranges, of x and of y of elbow and tip from joint 1, m",
