@@ -287,7 +287,9 @@ def test_errors_name_the_arguments_of_the_public_functions():
         with pytest.raises(repro.InputError, match=f"^{next(iter(wrong))}: found .*, expected "):
             repro.SignalSettings(**wrong)
     arm = repro.Arm(position_limit=((-1.0, 1.0), (-2.0, 2.0)), speed_limit=(3.0, 4.0))
-    for wrong in ({"rate": "100"}, {"duration": float("nan")}, {"harmonics": True}):
+    guesses = ("parameters.json", [np.ones(9)] * 2, [0.1, 0.0, -0.05, *np.ones(6)])
+    wrongs = [{"rate": "100"}, {"duration": float("nan")}, {"harmonics": 4.5}, {"noise": (0.05, 0.0)}, {"seed": "x"}]
+    for wrong in (*wrongs, *({"guess": guess} for guess in guesses)):
         with pytest.raises(repro.InputError, match=f"^{next(iter(wrong))}: found "):
             repro.excite(arm, **wrong)
     with pytest.raises(repro.InputError, match=r"^precision: found 'float64'"):

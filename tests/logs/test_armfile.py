@@ -64,7 +64,10 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("sign: [1, true]\n", "sign[1]: found True, expected two numbers"),
         ("zero: [.nan, 0]\n", "zero[0]: found nan, expected two numbers, the position"),
         ("zero: [180, 0]\n", "zero[0]: found 180, expected radians within a turn"),
-        ("position_limit: [[-1, 1], [-90, 90]]\n", "position_limit[1][0]: found -90, expected radians within two turns"),
+        (
+            "position_limit: [[-1, 1], [-90, 90]]\n",
+            "position_limit[1][0]: found -90, expected radians within two turns",
+        ),
         ("speed_limit: [6, 300]\n", "speed_limit[1]: found 300, expected rad/s up to ten turns a second, whatever"),
         ("zero: [a, 0]\n", "zero[0]: found 'a', expected two numbers"),
         ("position_limit: [-1, 1]\n", "position_limit[0]: found -1, expected two ranges, lowest and highest angle"),

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from repro.model.parameters import Array
     from repro.signals.trajectories import Motion
 
-#: Largest magnitude of a guess, in the units of the parameters.
-_LARGEST = 1e6
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro excite``."""
@@ -82,9 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def read_guess(given: list[str] | None) -> "Array | None":
     """Read the parameters of ``--guess``."""
-    import numpy as np
-
     from repro.documents import read_json
+    from repro.identification.exciting_motion import check_guess
     from repro.ownarm.prior import read_result
 
     if given is None:
@@ -93,15 +89,8 @@ def read_guess(given: list[str] | None) -> "Array | None":
     if len(given) == 1:  # the estimates of the recommended method
         path = Path(given[0])
         numbers = [parameter["estimate"] for parameter in read_result(str(path), read_json(path))]
-    try:
-        beta = np.array([float(number) for number in numbers])
-    except (TypeError, ValueError):
-        beta = np.empty(0)
-    if beta.shape != (9,) or not (np.abs(beta) <= _LARGEST).all():
-        found = " ".join(given)[:200]
-        expected = f"parameters.json of repro identify, or nine numbers of at most {_LARGEST:g}"
-        raise InputError.at("--guess", found, expected)
-    return beta
+    with options_named("guess"):
+        return check_guess(numbers)
 
 
 def summarise_motion(motion: "Motion", limits: "Envelope", noise: "Array") -> dict[str, Any]:

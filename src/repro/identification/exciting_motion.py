@@ -18,7 +18,7 @@ from repro.identification.filtering import Moved
 from repro.identification.regression import unit_columns
 from repro.logs.armfile import Arm, read_arm
 from repro.model.dynamics import LAMBDA, ArmGeometry, forward_kinematics, regressor
-from repro.model.parameters import Array, check_beta
+from repro.model.parameters import Array, is_positive_definite
 from repro.progress import Progress
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
@@ -31,6 +31,7 @@ _PACES = 16  # paces at which Eq. 10 is tried
 _NORMAL_95 = 1.959964  # 95 % of a normal distribution lie within so many standard deviations
 MAX_UTILISATION = 0.999  # fraction of each limit that is used, so that nothing between two samples exceeds it
 _MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
+_LARGEST, _SMALLEST = 1e6, 1e-9  # magnitude of a guess or of a noise, in their units, and of a noise
 _MAX_START = 0.9  # fraction of the way from the middle of a range to its end within which a motion may begin
 
 
@@ -140,10 +141,10 @@ def excite(
         Samples per second.
     harmonics : int
         Highest multiple of 1/duration in it, 3 to 20.
-    noise : pair of float
+    noise : float or pair of float
         Standard deviation of a sample of each torque, N m.
     guess : array_like of shape (9,), optional
-        Rough parameters; with them the motion stays within ``torque_limit``.
+        Rough parameters, such as ``result.beta``; with them the motion stays within ``torque_limit``.
     seed : int
         Of the starts of the search.
 
@@ -155,7 +156,8 @@ def excite(
     Raises
     ------
     InputError
-        If the arm lacks a limit, or is outside of one at rest, or the motion has too few or too many samples.
+        If the arm lacks a limit, or is outside of one at rest, the motion has too few or too many samples, the guess is
+        not physically possible, or another argument is not valid.
 
     Examples
     --------
@@ -168,16 +170,41 @@ def excite(
     steps = check_samples(duration, rate, harmonics)
     if not isinstance(arm, str | Path | Arm):
         raise InputError.at("arm", type(arm).__name__, "a path or an Arm")
-    beta = None if guess is None else check_beta(guess)
+    beta = None if guess is None else check_guess(guess)
+    pair = [noise, noise] if isinstance(noise, int | float) else noise
+    sigma = _numbers("noise", pair, 2, _SMALLEST, f"one or two numbers from {_SMALLEST:g} to {_LARGEST:g}, N m")
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise InputError.at("seed", repr(seed)[:60], "a whole number of 0 or more")
     limits = Envelope(arm if isinstance(arm, Arm) else read_arm(Path(arm)), beta)
-    return design(limits, (steps, 1.0 / rate), harmonics, np.array(noise), np.random.default_rng(seed))
+    return design(limits, (steps, 1.0 / rate), harmonics, sigma, np.random.default_rng(seed))
+
+
+def check_guess(guess: ArrayLike) -> Array:
+    """Return a guess (9,) as float64; refuse what is not nine numbers, or what no arm can have."""
+    expected = f"nine numbers of at most {_LARGEST:g}, such as result.beta; the command reads parameters.json, too"
+    beta = _numbers("guess", guess, 9, -_LARGEST, expected)
+    if not is_positive_definite(beta):
+        possible = "parameters that an arm can have: I3 > 0, I3 (I1 - I3) > I2^2 / 4, no negative friction"
+        raise InputError.at("guess", beta.tolist(), possible)
+    return beta
+
+
+def _numbers(name: str, value: ArrayLike, n: int, least: float, expected: str) -> Array:
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.shape != (n,) or not ((least <= numbers) & (numbers <= _LARGEST)).all():
+        raise InputError.at(name, " ".join(repr(value).split())[:200], expected)
+    return numbers
 
 
 def check_samples(duration: float, rate: float, harmonics: int) -> int:
     """Give the sampling periods of a motion; refuse too few or too many of them, or of the harmonics."""
     for name, value in (("duration", duration), ("rate", rate), ("harmonics", harmonics)):
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not 0.0 < value < np.inf:
-            raise InputError.at(name, repr(value)[:60], "a number above 0")
+        kind, what = (int | np.integer, "whole ") if name == "harmonics" else (int | float | np.number, "")
+        if isinstance(value, bool) or not isinstance(value, kind) or not 0.0 < value < np.inf:
+            raise InputError.at(name, repr(value)[:60], f"a {what}number above 0")
     steps = round(duration * rate)
     if not 3 <= harmonics <= _MOST_HARMONICS:
         raise InputError.at("harmonics", harmonics, f"3 to {_MOST_HARMONICS}")
