@@ -47,7 +47,7 @@ def regressor(q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, friction_steepness: f
     Raises
     ------
     ValueError
-        If a signal is not ``(..., 2, N)`` or not finite.
+        If a signal is not ``(..., 2, N)`` or not finite, or lambda is not above 0.
 
     Examples
     --------
@@ -55,6 +55,8 @@ def regressor(q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, friction_steepness: f
     >>> regressor(q, 0 * q, 0 * q)[0, 0]
     array([0., 0., 0., 1., 1., 0., 0., 0., 0.])
     """
+    if not 0.0 < friction_steepness < np.inf:
+        raise ValueError(f"friction_steepness: must be positive and finite, got {friction_steepness!r}.")
     q, dq, ddq = np.broadcast_arrays(*check_motion(q, dq, ddq))
     q1, q2 = q[..., 0, :], q[..., 1, :]
     dq1, dq2 = dq[..., 0, :], dq[..., 1, :]
@@ -98,7 +100,7 @@ def inverse_dynamics(
     Raises
     ------
     ValueError
-        If a shape is wrong or a value is not finite.
+        If a shape is wrong, a value is not finite, or lambda is not above 0.
 
     Examples
     --------
