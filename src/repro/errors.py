@@ -10,7 +10,7 @@ class InputError(ValueError):
 
     Examples
     --------
-    >>> print(InputError.at("run.csv: line 7, tau2", "'x'", "a finite number"))
+    >>> print(repro.InputError.at("run.csv: line 7, tau2", "'x'", "a finite number"))
     run.csv: line 7, tau2: found 'x', expected a finite number
     """
 

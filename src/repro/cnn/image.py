@@ -102,7 +102,7 @@ def images(
     --------
     >>> t = np.linspace(0.0, 9.4, 100)
     >>> q = np.stack([np.sin(t), np.sin(2.5 * t)])
-    >>> images(q, 0 * q, 0 * q, np.cos(q), np.full((3, 9), 0.5)).shape
+    >>> repro.images(q, 0 * q, 0 * q, np.cos(q), np.full((3, 9), 0.5)).shape
     (3, 2, 100, 100)
     """
     q, dq, ddq, tau = check_motion(q, dq, ddq, tau)

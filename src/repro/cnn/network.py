@@ -216,7 +216,7 @@ def load_network(
 
     Examples
     --------
-    >>> network = load_network("data/networks/cnn.safetensors")
+    >>> network = repro.load_network("data/networks/cnn.safetensors")
     >>> sum(weight.numel() for weight in network.parameters())
     371659
     """

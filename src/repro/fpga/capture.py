@@ -134,7 +134,7 @@ def read_capture(path: str | Path) -> Capture:
 
     Examples
     --------
-    >>> capture = read_capture("data/captures/T3.bin")
+    >>> capture = repro.read_capture("data/captures/T3.bin")
     >>> capture.metadata.motion, capture.metadata.source, capture.metadata.h
     ('T3', 'simulated', 0.0025)
     """

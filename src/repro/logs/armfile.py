@@ -116,7 +116,7 @@ class Arm:
 
     Examples
     --------
-    >>> arm = Arm(name="planar", zero=(1.571, 0.0), torque_limit=(8.0, 3.0))
+    >>> arm = repro.Arm(name="planar", zero=(1.571, 0.0), torque_limit=(8.0, 3.0))
     >>> arm.sign, arm.gravity
     ((1.0, 1.0), 9.80665)
     """
@@ -236,7 +236,7 @@ def read_arm(path: str | Path | None) -> Arm:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "arm.yaml"
     ...     _ = file.write_text("{units: {position: deg, torque: A}, torque_constant: [1.9, 0.7]}")
-    ...     arm = read_arm(file)
+    ...     arm = repro.read_arm(file)
     >>> arm.torque_constant, arm.units["position"], arm.zero
     ((1.9, 0.7), 'deg', (0.0, 0.0))
     """

@@ -55,7 +55,7 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
 
     Examples
     --------
-    >>> run = read_log("data/captures/ID.bin")
+    >>> run = repro.read_log("data/captures/ID.bin")
     >>> run.q.shape, run.simulated
     ((2, 4150), True)
     """

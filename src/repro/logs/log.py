@@ -53,9 +53,9 @@ class Log:
 
     Examples
     --------
-    >>> import numpy as np
     >>> t = np.arange(400) / 100
-    >>> log = Log(t=t, q=np.stack([np.sin(t), np.cos(2 * t)]), tau=np.stack([np.cos(t), np.sin(2 * t)]), name="run")
+    >>> q, tau = np.stack([np.sin(t), np.cos(2 * t)]), np.stack([np.cos(t), np.sin(2 * t)])
+    >>> log = repro.Log(t=t, q=q, tau=tau, name="run")
     >>> log.q.shape
     (2, 400)
     """

@@ -52,7 +52,7 @@ def regressor(q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, friction_steepness: f
     Examples
     --------
     >>> q = np.array([[np.pi / 2], [0.0]])  # level, at rest: gravity alone
-    >>> regressor(q, 0 * q, 0 * q)[0, 0]
+    >>> repro.regressor(q, 0 * q, 0 * q)[0, 0]
     array([0., 0., 0., 1., 1., 0., 0., 0., 0.])
     """
     if not 0.0 < friction_steepness < np.inf:
@@ -105,7 +105,7 @@ def inverse_dynamics(
     Examples
     --------
     >>> q = np.array([[np.pi / 2], [0.0]])  # level, at rest: g1 + g2 and g2
-    >>> inverse_dynamics(q, 0 * q, 0 * q, np.array([0.3, 0.05, 0.1, 1.2, 0.4, 0.1, 0.05, 0.3, 0.2]))
+    >>> repro.inverse_dynamics(q, 0 * q, 0 * q, np.array([0.3, 0.05, 0.1, 1.2, 0.4, 0.1, 0.05, 0.3, 0.2]))
     array([[1.6],
            [0.4]])
     """

@@ -65,7 +65,7 @@ def dct2low(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s
 
     Examples
     --------
-    >>> dct2low(np.full(4, 2.0), h=0.01, c_f=1e-4)  # a constant passes
+    >>> repro.low_pass(np.full(4, 2.0), h=0.01, c_f=1e-4)  # a constant passes
     array([2., 2., 2., 2.])
     """
     if not 0 <= c_f < np.inf:
@@ -88,7 +88,7 @@ def dct2dev(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s
     h : float
         Sampling period, s.
     c_f, unit
-        As for `dct2low`.
+        As for `low_pass`.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def dct2dev(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s
     Examples
     --------
     >>> t = 0.01 * np.arange(500)
-    >>> velocity = dct2dev(np.sin(t), h=0.01, c_f=1e-4)
+    >>> velocity = repro.differentiate(np.sin(t), h=0.01, c_f=1e-4)
     >>> bool(np.abs(velocity - np.cos(t))[50:-50].max() < 0.01)
     True
     """

@@ -80,7 +80,7 @@ def metr2ev(x: ArrayLike, y: ArrayLike, settings: MetricSettings = PUBLISHED_MET
     Examples
     --------
     >>> x = np.sin(np.linspace(0.0, 6.0, 50))
-    >>> float(metr2ev(x, x).total)
+    >>> float(repro.similarity(x, x).total)
     1.0
     """
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)

@@ -178,7 +178,6 @@ def algorithm1(
 
     Examples
     --------
-    >>> import repro
     >>> run = repro.read_log("data/captures/ID.bin")
     >>> network = repro.load_network("data/networks/cnn.safetensors")
     >>> few = repro.SearchSettings(executions=3, inner_limit=5, threshold=0.9237)
