@@ -228,12 +228,25 @@ def described(name: str, what: object) -> str:
         signature = inspect.signature(what)
         bare = [each.replace(annotation=each.empty) for each in signature.parameters.values() if each.name != "self"]
         shown += str(signature.replace(parameters=bare, return_annotation=signature.empty))
-    return f"## {name}\n\n```text\n{shown}\n\n{inspect.getdoc(what)}\n```"
+    return f"## {name}\n\n```text\n{shown}\n\n{inspect.getdoc(what)}{fields(what)}\n```"
+
+
+def fields(what: object) -> str:
+    """Fields of a class of settings, each with its default and the comment of its declaration."""
+    if what not in (repro.SearchSettings, repro.SignalSettings):
+        return ""
+    lines = ["", "", "Fields", "------"]
+    for above, name, beside in FIELD.findall(inspect.getsource(what).partition("    def ")[0]):
+        meaning = beside or " ".join(above.replace("#:", "").split())
+        lines += [f"{name} = {getattr(what(), name)!r}", f"    {meaning}"]
+    return "\n".join(lines)
 
 
 COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_file, commands, api)
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
 TABLES |= {name: partial(laid_out, name) for name in ("factorial", "board_size", "study_claims", "study_levels")}
+#: Field of a class of settings: comment above it, name, comment next to it.
+FIELD = re.compile(r"((?:^    #: .*\n)*)^    (\w+): [^=\n]+ = .+?(?:  # (.+))?$", re.MULTILINE)
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

@@ -86,7 +86,7 @@ def images(
     guess : array_like of shape (..., 9)
         Guesses of the parameters in units of the largest torque, as line 17 draws them.
     settings : ImageSettings
-        Divisors of Eq. 9.
+        Divisors of Eq. 9, not public: leave it out, as the networks in ``data/networks`` are trained with the default.
 
     Returns
     -------

@@ -198,7 +198,7 @@ def load_network(
     path : path
         Safetensors file, such as those in ``data/networks``.
     settings : NetworkSettings
-        Sizes; the paper's by default.
+        Sizes, not public: leave it out for the paper's, which all files in ``data/networks`` have.
     fact : str, optional
         What the file's header must state, such as the name of the network.
     precision : {"auto", "float32", "bfloat16"}

@@ -129,9 +129,9 @@ class SignalSettings:
     """Sampling and filter of Algorithm 1."""
 
     h: float = 2.5e-3  # sampling period, s
-    c_f: float = 1e-4  # filter coefficient of Eq. 6 and 14
-    omega_unit: FrequencyUnit = "rad_per_s"  # unit of omega in the filter
-    samples: int = 100  # length M of the subsampled signals, and so the side of the image
+    c_f: float = 1e-4  # filter coefficient of Eq. 6 and 14, s^2 if omega is in rad/s
+    omega_unit: FrequencyUnit = "rad_per_s"  # unit of omega in the filter: as for `low_pass`
+    samples: int = 100  # length M of the subsampled signals, and side of the image
     duration: float = 3.0 * np.pi  # of the identification trajectory, s
     #: Divide each motion signal inside f by its own maximum, as Eq. 8 prints; unscaled motion keeps Eq. 1 exact.
     normalise_motion: bool = False

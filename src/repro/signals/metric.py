@@ -65,7 +65,8 @@ def metr2ev(x: ArrayLike, y: ArrayLike, settings: MetricSettings = PUBLISHED_MET
     y : array_like of shape (..., N)
         Rebuilt signal. One that is zero throughout has similarity 0.
     settings : MetricSettings
-        Formula choices.
+        Formula choices of the paper's study, not public: leave it out. For torques far from 1 N m divide `x` and `y` by
+        the largest of `x` before.
 
     Returns
     -------

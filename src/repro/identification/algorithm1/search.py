@@ -29,11 +29,14 @@ class SearchSettings:
     executions: int = 100  # N_exe (Section VI)
     inner_limit: int = 100  # L_exe, guesses within one execution; the paper does not give it
     threshold: float = 0.9282  # d_u: 0.9282 for numeric, 0.9237 for experimental data (Section VI)
-    low: float = 1e-3  # range of the guesses of line 17
-    high: float = 3.0
-    feasibility: str = "positive"  # what line 22 calls physically possible, see `repro.model.parameters`
-    metric: MetricSettings = field(default_factory=MetricSettings)
-    #: Motion that f of the image is taken on, line 18: the measured one as listed, or the one that was sent.
+    low: float = 1e-3  # smallest guess of line 17, in units of the largest torque
+    high: float = 3.0  # largest guess
+    #: What line 22 calls physically possible: "positive" (all nine parameters) or "positive-definite" (the
+    #: inertia matrix in every pose; no negative friction).
+    feasibility: str = "positive"
+    metric: MetricSettings = field(default_factory=MetricSettings)  # formulas of similarity; not public: leave it out
+    #: Motion that f of the image is taken on, line 18: "measured" as listed, or "desired", the one that was sent. The
+    #: function `algorithm1` knows the measured one only.
     image_motion: ImageMotion = "measured"
 
     def __post_init__(self) -> None:
