@@ -127,6 +127,7 @@ def test_nothing_is_overwritten(stored, refused):
     table.write_text("mine")
     before = stored.read_bytes()
     assert "T4.csv: found a file" in refused("decode", stored, "-o", table)
+    assert ": found a folder, expected FILE.csv" in refused("decode", stored, "-o", stored.parent)
     assert table.read_text() == "mine"
     nowhere = table.with_name("link.csv")
     nowhere.symlink_to("gone.csv")

@@ -68,7 +68,6 @@ def test_what_is_written_is_the_motion_that_is_reported(tmp_path, capsys):
 
 
 def test_the_table_is_in_the_angles_that_the_arm_records(tmp_path):
-    """A log of the motion, read with the same arm file, holds the angles of Eq. 1 again."""
     assert excite(tmp_path, *SHORT, sign=[1, -1], zero=[0.5, -0.7], second_joint_absolute=True) == 0
     own = pd.read_csv(tmp_path / "out" / "motion.csv")
     log = own[["time_s", "q1_rad", "q2_rad", "dq1_rad/s", "dq2_rad/s"]].assign(tau1=np.sin(own.time_s), tau2=own.time_s)

@@ -32,13 +32,11 @@ def moved(motion):
 
 
 def tells(motion):
-    """Log-determinant of the information matrix, written out."""
     rows = (regressor(*moved(motion)) / NOISE[:, None, None]).reshape(-1, 9)
     return np.linalg.slogdet(rows.T @ rows)[1]
 
 
 def check_kept(motion, arm, beta=None):
-    """Every limit as the arm file states it."""
     places = [(motion.q, arm.position_limit)]
     if arm.workspace is not None:
         places += [(point, arm.workspace) for point in forward_kinematics(motion.q, ArmGeometry(*arm.link_lengths))]

@@ -214,6 +214,8 @@ def decode(arguments: argparse.Namespace) -> int:
 
     out = arguments.out
     if out not in (None, "-") and os.path.lexists(out):
+        if Path(out).is_dir():
+            raise InputError.at(out, "a folder", "FILE.csv, or -")
         if not arguments.overwrite:
             raise InputError.at(out, "a file", "a new name, or --overwrite")
         if Path(out).exists() and any(each.exists() and each.samefile(out) for each in files_of(arguments.file)):
