@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
         help="may be given more than once (default: all, or least-squares for several logs, a prior or a horizontal "
-        "plane; least-squares takes seconds, the CNN half a minute and more)",
+        "plane; least-squares takes seconds, the CNN from half a minute to a few minutes)",
     )
     add("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
     add("--overwrite", action="store_true", help="replace files of the same names in that folder")
