@@ -151,6 +151,7 @@ def render_page(
         drawn=list(ordered_titles(result).values())[:MOST_METHODS],
         lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
         allowed=text.ALLOWED,
+        allowed_groups=text.ALLOWED_GROUPS,
         files=[(name, quote(name), FILES.get(name, "")) for name in files],
         largest_share=max(1.0, *result.excitation.share),
     )

@@ -15,7 +15,11 @@ from repro.model.parameters import NAMES, Array
 from repro.ownarm.prepare import PreparedLog
 from repro.ownarm.result import Result, Score, SelfTest
 
-#: What the intervals allow for, in one sentence.
+#: What the intervals allow for: by groups, and in full.
+ALLOWED_GROUPS = (
+    "the 95 % intervals allow for noise, the choice of filters, and one unmodelled effect at a time: "
+    "calibration, friction, torque ripple, rotor, gear; not for a wrong scale of both torques"
+)
 ALLOWED = (
     "the 95 % intervals allow for noise, the choice of filters, lambda and delay, errors of the motion, "
     f"{', '.join(UNMODELLED_EFFECTS)}, "
@@ -239,7 +243,7 @@ def summary(result: Result) -> str:
     lines = [f"{result.arm}{' (simulated)' if result.simulated else ''}: {best.title}, {result.reason}"]
     lines += [f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}" for p in best.parameters]
     if best.claims_intervals:
-        lines.append(f"  {ALLOWED}")
+        lines.append(f"  {ALLOWED_GROUPS} (in full: report.html)")
     lines += [f"  {term_line(term)}" for term in result.terms if term.taken]
     lines += [f"  {line}" for line in detection_limits(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
