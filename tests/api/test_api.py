@@ -310,6 +310,8 @@ def test_lists_are_as_good_as_arrays(result):
     assert np.array_equal(repro.regressor(q, q, q), repro.regressor(*(np.array(q),) * 3))
     with pytest.raises(ValueError, match="finite"):
         result.simulate(t, tau, [0, np.nan], [0, 0])
+    arm = repro.Arm(zero=[1, 0], torque_limit=np.array([1, 2]), delay="auto")
+    assert (arm.zero, arm.torque_limit, arm.delay) == ((1.0, 0.0), (1.0, 2.0), None)
 
 
 @pytest.mark.parametrize("longer", [0, -500])  # than Eq. 10: time runs in another scale

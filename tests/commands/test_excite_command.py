@@ -29,7 +29,6 @@ CONFIG = Path(__file__).resolve().parents[2] / "config" / "config.yaml"
 
 
 def excite(tmp_path, *options, out="out", **keys):
-    """Exit code of the command with an arm file of these keys beside `LIMITS`."""
     content = {key: value for key, value in (LIMITS | keys).items() if value is not None}
     (tmp_path / "arm.yaml").write_text(yaml.safe_dump(content))
     return main(["excite", "--arm", str(tmp_path / "arm.yaml"), "-o", str(tmp_path / out), *map(str, options)])

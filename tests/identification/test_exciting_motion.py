@@ -13,7 +13,7 @@ from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynami
 
 BETA = np.array([0.12, 0.0026, 0.0227, 0.95, 0.078, 0.08, 0.0036, 0.454, 0.31])
 NOISE = np.array([0.05, 0.03])
-STEPS, H, HARMONICS = 400, 0.025, 5
+STEPS, H, HARMONICS, BOTH = 400, 0.025, 5, ((-1, 1), (-1, 1))
 ARM = Arm(
     position_limit=((-1.5, 1.2), (-1.4, 2.0)),
     speed_limit=(5.0, 6.0),
@@ -87,7 +87,6 @@ def test_a_motion_uses_a_limit_up_and_consists_of_whole_multiples_of_one_frequen
     theirs = published(Envelope(free), (STEPS, H), 0.5, NOISE)
     with pytest.raises(AssertionError):  # these limits do bind
         check_kept(theirs, ARM, BETA)
-    # Whole multiples of one frequency, up to the highest.
     size = np.abs(np.fft.rfft(motion.q[:, :-1])) / STEPS
     assert size[:, HARMONICS + 1 :].max() < 1e-12
     assert size[:, HARMONICS].max() > 1e-3
@@ -109,7 +108,6 @@ def test_the_same_seed_gives_the_same_motion(limits, motion, monkeypatch):
 
 
 def test_expected_intervals_are_those_of_repeated_least_squares(motion):
-    """White noise of each joint's size, weighted least squares by NumPy: 95 % of the estimates lie within."""
     half, condition, log_det = expected_accuracy(moved(motion), NOISE, 20.0)
     rng, weight = np.random.default_rng(5), 1.0 / np.repeat(NOISE, motion.time.size)
     a = regressor(*moved(motion)).reshape(-1, 9) * weight[:, None]
@@ -119,9 +117,6 @@ def test_expected_intervals_are_those_of_repeated_least_squares(motion):
     assert (np.abs(errors) < half[:, None]).mean(axis=1) == pytest.approx(np.full(9, 0.95), abs=0.015)
     assert condition == pytest.approx(np.linalg.cond(a / np.linalg.norm(a, axis=0)), rel=1e-9)
     assert log_det == pytest.approx(tells(motion), rel=1e-12)
-
-
-BOTH = ((-1, 1), (-1, 1))
 
 
 @pytest.mark.parametrize(

@@ -116,8 +116,3 @@ def test_an_arm_file_that_is_wrong_is_reported_in_one_line(tmp_path, content, fo
 def test_an_arm_built_by_hand_is_checked_as_a_file_is(values, found):
     with pytest.raises(InputError, match=found):
         Arm(**values)
-
-
-def test_an_arm_built_by_hand_accepts_lists_and_arrays():
-    arm = Arm(zero=[1, 0], torque_limit=np.array([1, 2]), delay="auto")
-    assert (arm.zero, arm.torque_limit, arm.delay) == ((1.0, 0.0), (1.0, 2.0), None)

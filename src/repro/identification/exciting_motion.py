@@ -162,7 +162,7 @@ def excite(
     Examples
     --------
     >>> arm = repro.Arm(position_limit=((-1.0, 1.0), (-2.0, 2.0)), speed_limit=(3.0, 4.0))
-    >>> motion = repro.excite(arm, duration=5.0, rate=100.0, harmonics=4)
+    >>> motion = repro.excite(arm, duration=5.0, rate=100.0, harmonics=4, noise=0.05)
     >>> motion.q.shape, bool(np.abs(motion.q[0]).max() < 1.0)
     ((2, 501), True)
     """
