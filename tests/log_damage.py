@@ -116,6 +116,8 @@ REFUSED = [
     ("counts of unknown size", renamed(q1="q1_counts", q2="q2_counts"), {}),
     ("current without a constant", renamed(tau1="current1", tau2="current2"), {}),
     ("PWM without a constant", renamed(tau1="tau1_Nm", tau2="pwm2"), {}),
+    ("a constant without a current", GOOD, {"torque_constant": (2.0, 2.0)}),
+    ("counts without a unit", GOOD, {"counts_per_turn": (4096.0, 4096.0)}),
     ("one unit of two", renamed(q1="q1 [deg]"), {}),
     ("a column not there", GOOD, {"columns": {"q1": "angle"}}),
     ("absurd position", cell("q1", 900, "-1e300"), RAD),

@@ -152,8 +152,13 @@ def test_a_capture_is_a_log_and_its_table_the_same_log(tmp_path, read, board):
     np.testing.assert_allclose(log.torque_limit, full)
     assert describe(log, Arm()).simulated == log.simulated
     assert read_log(tmp_path / "T4.bin", Arm(torque_limit=(1.0, 2.0))).torque_limit.tolist() == [1.0, 2.0]
-    decoded = read(to_table(capture).to_csv(index=False), name="T4.csv")
+    arm = Arm(counts_per_turn=(8400, 8400), topic="/joints", file="arm.yaml")
+    decoded = read(to_table(capture).to_csv(index=False), arm, "T4.csv")
     np.testing.assert_allclose(decoded.q, log.q, atol=1e-12)
     np.testing.assert_allclose(decoded.tau, log.tau, atol=1e-12)
-    assert "q1 is read from q1_rad, in rad, of q1_rad, q1_counts" in decoded.notes
+    expected = {
+        "q1 is read from q1_rad, in rad, of q1_rad, q1_counts",
+        "topic of arm.yaml is not used: T4.csv is no bag",
+    }
+    assert {*expected, "counts_per_turn of arm.yaml is not used: q1_rad is in rad"} <= {*decoded.notes}
     assert decoded.simulated == log.simulated

@@ -265,6 +265,21 @@ def si_unit(kind: Kind) -> str:
     return next(iter(SPELLINGS[kind]))
 
 
+def unused_constants(columns: dict[Signal, Column], arm: Arm, file: str) -> Iterator[str]:
+    """Note a constant of the arm file that no column needs; refuse one where nothing states the unit of the columns."""
+    for key, kinds, raw in (
+        ("torque_constant", ("torque",), "torque: A"),
+        ("counts_per_turn", ("position", "velocity"), "position: counts"),
+    ):
+        first, *rest = [column for signal, column in columns.items() if KINDS[signal] in kinds]
+        if getattr(arm, key) is None or any(column.unit not in _FACTORS for column in (first, *rest)):
+            continue
+        if first.assumed:
+            expected = f"units: {{{raw}}} in the arm file, or '{first.header} [{first.unit}]' as header"
+            raise InputError.at(f"{file}: header, column {first.header}", f"no unit, but {key} in {arm.file}", expected)
+        yield f"{key} of {arm.file} is not used: {first.header} is in {first.unit}"
+
+
 def si_factor(signal: Signal, unit: str, arm: Arm, log: str = "the log") -> float:
     """Give the SI value of one `unit` of a signal; InputError if it needs a constant that the arm file lacks."""
     if unit in _FACTORS:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from repro.errors import InputError
 from repro.fpga.capture import read_capture, recording_of
 from repro.logs.armfile import Arm, Signal, read_arm
-from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor
+from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor, unused_constants
 from repro.logs.log import FEWEST, SHORTEST, STILL, Log, segments
 from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
 from repro.logs.torque_limits import saturated
@@ -74,6 +74,8 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
     else:
         table = read_bag(source, arm.topic) if is_bag(source) else read_table(source)
         place, raw = str(source), _from_table(table, source.name, arm)
+    if arm.topic and not (isinstance(source, Path) and is_bag(source)):
+        raw = replace(raw, notes=(*raw.notes, f"topic of {arm.file} is not used: {raw.name} is no bag"))
     limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
     with np.errstate(over="ignore"):  # numbers beyond double precision are refused below
         log = replace(to_eq1(raw, arm), torque_limit=limit)
@@ -97,8 +99,8 @@ def _from_capture(path: Path, arm: Arm) -> Log:
     t = np.asarray(metadata.h * np.arange(metadata.samples), dtype=np.float64)
     _check_time(t, t, "s", str(path), range(1, metadata.samples + 1))
     notes = [f"capture of the motion {metadata.motion}"]
-    if arm.columns or arm.units:
-        notes.append(f"columns and units of {arm.file} are not used: a capture has its own")
+    if arm.columns or arm.units or arm.counts_per_turn or arm.torque_constant:
+        notes.append(f"columns, units and constants of {arm.file} are not used: a capture has its own")
     if lost := metadata.samples - capture.counts.good:
         notes.append(f"{lost} lost samples are interpolated")
     simulated, limit = metadata.source == "simulated", np.array(metadata.control.full_torque)
@@ -108,6 +110,7 @@ def _from_capture(path: Path, arm: Arm) -> Log:
 def _from_table(table: Table, name: str, arm: Arm) -> Log:
     """Read a table or bag in SI, signs and zeros as recorded."""
     columns, notes = find_columns(table.header, arm, table.file)
+    notes = (*notes, *unused_constants(columns, arm, table.file))
     values, lines, more = table.numbers([column.index for column in columns.values()])
     kept, left_out = _full_rows(table.file, lines, list(columns), values)
     notes = (*table.notes, *more, *notes, *left_out)
