@@ -7,6 +7,7 @@ import pytest
 from fake_board import CONTROL, metadata, motion
 from log_example import assert_same, columns, recording, text, write
 
+from repro.errors import InputError
 from repro.fpga.capture import to_table, write_capture
 from repro.fpga.frames import encode
 from repro.logs.armfile import Arm
@@ -38,6 +39,8 @@ def test_a_plain_log(read):
         "tau1, tau2 in N m",
     )
     assert uniform(log) is log
+    with pytest.raises(InputError, match=r"^arm file: units: found {'position': 'deg'}, expected none, because"):
+        read_log(log, Arm(units={"position": "deg"}))
     lonely = read({name: values for name, values in TABLE.items() if name != "dq1"})
     assert lonely.dq is None and any(note.startswith("dq2 is ignored") for note in lonely.notes)
 

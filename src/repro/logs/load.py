@@ -39,7 +39,8 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
         Capture ``NAME.bin`` with its sidecar, ROS 2 bag, or else a CSV table; a DataFrame has the columns of a table;
         arrays of a `Log` are SI.
     arm : path or Arm, optional
-        Conventions that the recording does not state itself. Columns and units are for tables alone.
+        Conventions that the recording does not state itself. Columns and units are for tables alone;
+        units are refused for a `Log`.
 
     Returns
     -------
@@ -85,11 +86,14 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
 
 
 def _from_arrays(log: Log, arm: Arm) -> Log:
-    """Check the times of arrays."""
+    """Check the times of arrays; refuse units, which would have no effect."""
+    for key in ("units", "counts_per_turn", "torque_constant"):
+        if given := getattr(arm, key):
+            expected = f"none, because the arrays of a Log are SI: convert those of {log.name}"
+            raise InputError.at(f"{arm.file}: {key}", given, expected)
     _check_time(log.t, log.t, "s", log.name, range(1, log.t.size + 1))
-    unused = (f"columns and units of {arm.file} are not used: the arrays of a Log are SI",)
-    notes = (*log.notes, *(unused if arm.columns or arm.units else ()))
-    return replace(log, t=log.t - log.t[0], breaks=(), left_out=None, notes=notes)
+    unused = (f"columns of {arm.file} are not used: a Log has none",) if arm.columns else ()
+    return replace(log, t=log.t - log.t[0], breaks=(), left_out=None, notes=(*log.notes, *unused))
 
 
 def _from_capture(path: Path, arm: Arm) -> Log:
