@@ -67,8 +67,9 @@ def line_changed(change, number=100):
     return "\n".join(lines) + "\n"
 
 
-#: An arm file that states the unit of an absurd position.
+#: Arm files that state the unit of a position: of an absurd one, and of one in counts of 1 rad.
 RAD = {"units": {"position": "rad"}}
+COUNTS = {"units": {"position": "counts"}, "counts_per_turn": (2 * np.pi, 2 * np.pi)}
 
 #: Name, content of the file (table, text or bytes), and keys of the arm, of logs that are refused.
 REFUSED = [
@@ -178,9 +179,9 @@ SUSPECTED = [
     ("zero horizontal, other side", shifted("q1", -np.pi / 2, 0), {}),
     ("zero folded back", shifted("q2", np.pi, 0), {}),
     ("zero at a right angle", shifted("q2", np.pi / 2, 0), {}),
-    ("q1 in half as many counts", scaled(2, "q1", "dq1"), {}),
-    ("q2 in four times the counts", scaled(0.25, "q2", "dq2"), {}),
-    ("both in twice the counts", scaled(0.5, "q1", "q2", "dq1", "dq2"), {}),
+    ("q1 in half as many counts", scaled(2, "q1", "dq1"), COUNTS),
+    ("q2 a quarter of the true one", scaled(0.25, "q2", "dq2"), {}),
+    ("both half the true ones", scaled(0.5, "q1", "q2", "dq1", "dq2"), {}),
     ("torque of another arm", replaced(NOISE, "tau1", "tau2"), {}),
     ("torque recorded late", replaced(recording(GOOD["time"] - 0.12).tau, "tau1", "tau2"), {}),
     ("torque recorded early", replaced(recording(GOOD["time"] + 0.1).tau, "tau1", "tau2"), {}),

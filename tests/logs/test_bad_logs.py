@@ -110,7 +110,7 @@ def test_a_switched_torque_is_neither_noise_nor_saturated(noise):
         (GOOD, None),
         (scaled(-1, "tau1"), "torque_sign: [-1, 1]"),
         (absolute(), "second_joint_absolute: true"),
-        (scaled(2, "q1", "dq1"), "multiply counts_per_turn by [2, 1]"),
+        (scaled(2, "q1", "dq1"), "multiply the columns q1, q2 by 0.5, 1"),
     ],
 )
 def test_noise_of_the_torque_of_joint_2_hides_no_convention(table, named):

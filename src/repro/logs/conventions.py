@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from scipy.fft import dst, idst
 
+from repro.logs.armfile import Arm
 from repro.logs.log import Log, period, uniform
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
@@ -73,7 +74,7 @@ CONVENTIONS: Final = (
         Convention(f"{which} {1.0 / factor:g} times the true one", remedy, (x, 0.0, 0.0, y))
         for factor in (0.5, 2.0, 0.25, 4.0)
         for which, x, y in (("both positions", factor, factor), ("q1", factor, 1.0), ("q2", 1.0, factor))
-        for remedy in (f"multiply counts_per_turn by [{1.0 / x:g}, {1.0 / y:g}]",)
+        for remedy in (f"multiply counts_per_turn in the arm file by [{1.0 / x:g}, {1.0 / y:g}]",)
     ),
 )
 
@@ -117,7 +118,7 @@ class Smoothed:
 _AS_GIVEN: Final = Convention("", "")
 
 
-def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Iterator[str]:
+def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
     """Report a convention that explains the torque far better, or equally well with possible signs only.
 
     Least squares takes any sign: a wrong sign of the torque or a wrong zero comes out as negative inertia, gravity or
@@ -133,14 +134,14 @@ def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Ite
         reason = "the log hardly determines its load; if the joint was driven, its torque was not recorded"
         yield f"the torque of joint {noisy[0]} is little more than noise: {reason}"
     given = _fit(s, _AS_GIVEN)
-    in_force = f"second_joint_absolute: {str(second_joint_absolute).lower()}"
+    in_force = f"second_joint_absolute: {str(arm.second_joint_absolute).lower()}"
     fits = [(_fit(s, convention), convention) for convention in CONVENTIONS if convention.remedy != in_force]
     least = min((fit for fit, _ in fits), key=lambda fit: fit.ratio(given))
     if least.ratio(given) < _ERROR_RATIO and least.error.min() < _GOOD_ERROR:
         equal = [pair for pair in fits if pair[0].ratio(least) < _EQUAL_RATIO]
         best, convention = min(equal, key=lambda pair: pair[0].n_impossible)
         reason = f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %"
-        yield _advice(convention, reason, log.dq is not None)
+        yield _advice(convention, reason, log, arm)
     elif noisy:
         return
     elif given.residual > _USELESS_RESIDUAL:
@@ -150,7 +151,7 @@ def better_convention(log: Log, s: Smoothed, second_joint_absolute: bool) -> Ite
     elif given.n_impossible:
         same = [(fit, c) for fit, c in fits if 1.0 / _SAME_RATIO < fit.ratio(given) < _SAME_RATIO]
         for convention in [convention for fit, convention in same if fit.n_impossible == 0][:1]:
-            yield _advice(convention, "as given, inertia, gravity or friction come out negative", log.dq is not None)
+            yield _advice(convention, "as given, inertia, gravity or friction come out negative", log, arm)
 
 
 def late_torque(s: Smoothed) -> Iterator[str]:
@@ -173,16 +174,20 @@ def late_torque(s: Smoothed) -> Iterator[str]:
         yield f"the torque fits the motion best {when} ({reason}): {remedy}"
 
 
-def _advice(convention: Convention, reason: str, has_velocity: bool) -> str:
+def _advice(convention: Convention, reason: str, log: Log, arm: Arm) -> str:
     remedy = convention.remedy
-    if remedy.startswith("columns"):
-        if convention.position == _SWAP and has_velocity:
+    if remedy.startswith("multiply"):
+        if arm.counts_per_turn is None:
+            first, *_, second = convention.position
+            remedy = f"check the unit and the gear ratio, or multiply the columns q1, q2 by {first:g}, {second:g}"
+    elif remedy.startswith("columns"):
+        if convention.position == _SWAP and log.dq is not None:
             remedy = remedy.replace("tau1:", "dq1: dq2, dq2: dq1, tau1:", 1)
         remedy += " (with the headers of this log)"
     elif remedy.startswith(("sign", "torque_sign", "zero")):
         remedy += " (on top of what is there)"
-    step = f"{remedy} in the arm file" if remedy.startswith("multiply") else f"write into the arm file: {remedy}"
-    return f"{READS_BETTER} {convention.name} ({reason}): if so, first of all {step}"
+    step = "" if convention.remedy.startswith("multiply") else "write into the arm file: "
+    return f"{READS_BETTER} {convention.name} ({reason}): if so, first of all {step}{remedy}"
 
 
 def low_pass(signals: Array, h: float) -> Array:

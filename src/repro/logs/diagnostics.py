@@ -145,7 +145,7 @@ def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     # A joint at rest or a jump misleads checks of signals against each other; degrees seem to jump, too.
     if not still and (turns or not jumps):
         smooth = smoothed(log)
-        warnings += [*velocity_disagrees(log), *better_convention(log, smooth, arm.second_joint_absolute)]
+        warnings += [*velocity_disagrees(log), *better_convention(log, smooth, arm)]
         warnings += late_torque(smooth)
     return tuple(warnings)
 
