@@ -121,8 +121,9 @@ def test_noise_of_the_torque_of_joint_2_hides_no_convention(table, named):
     assert all(str(named) in warning for warning in found)
 
 
-def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path):
+@pytest.mark.parametrize("header", ["Zeit,Schulter [deg],q2,M1,M2", "TIME,JointPosition[0],JointPosition[1],M[0],M[1]"])
+def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path, header):
     with pytest.raises(InputError) as refused:
-        read_log(write(tmp_path, "Zeit,Schulter [deg],q2,M1,M2\n0,0,0,0,0\n"), Arm())
+        read_log(write(tmp_path, f"{header}\n0,0,0,0,0\n"), Arm())
     skeleton = yaml.safe_load("columns:" + str(refused.value).rpartition("columns:")[2])
-    assert skeleton["columns"] == {"time": "Zeit", "q1": "Schulter [deg]", "q2": "q2", "tau1": "M1", "tau2": "M2"}
+    assert skeleton["columns"] == dict(zip(("time", "q1", "q2", "tau1", "tau2"), header.split(","), strict=True))

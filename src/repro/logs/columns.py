@@ -212,7 +212,8 @@ def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signa
     near, likely = [], {signal: column.header for signal, column in found.items()}
     for signal in missing:
         spellings = [name for name, (known, _) in _NAMES.items() if known == signal]
-        close = [name for plain, name in free.items() if difflib.get_close_matches(plain, spellings, 1, 0.75)]
+        others = [(plain, name) for plain, name in free.items() if name not in likely.values()]
+        close = [name for plain, name in others if difflib.get_close_matches(plain, spellings, 1, 0.75)]
         if close:
             near.append(f"{close[0]!r} for {signal}")
             likely[signal] = close[0]
