@@ -154,8 +154,8 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
             yield _advice(convention, "as given, inertia, gravity or friction come out negative", log, arm)
 
 
-def late_torque(s: Smoothed) -> Iterator[str]:
-    """Report a torque that fits the motion far better when it is shifted in time."""
+def late_torque(s: Smoothed, delay: float) -> Iterator[str]:
+    """Report a torque that fits the motion far better with another delay than this one (s), that of the arm file."""
     reach = round(_LARGEST_DELAY / s.h)
     inner = s.chosen[(s.chosen >= reach) & (s.chosen < s.q.shape[1] - reach)]
     if inner.size < 20 or s.noisy_joints():
@@ -164,13 +164,14 @@ def late_torque(s: Smoothed) -> Iterator[str]:
     basis = np.linalg.qr(y).Q
     shifts = np.arange(-reach, reach + 1, max(1, round(0.005 / s.h)))
     residuals = np.array([_residual(basis, s.tau[:, inner - shift].ravel()) for shift in shifts])
-    given = _residual(basis, s.tau[:, inner].ravel())
+    known = int(np.clip(round(delay / s.h), -reach, reach))
+    given = _residual(basis, s.tau[:, inner - known].ravel())
     best = int(np.argmin(residuals))
-    delay = float(shifts[best]) * s.h
-    if abs(delay) >= _SMALLEST_DELAY and residuals[best] <= _RESIDUAL_RATIO * given:
-        when = f"{abs(delay):.3f} s {'later' if delay > 0 else 'earlier'} than recorded"
+    better = float(shifts[best]) * s.h
+    if abs(better - known * s.h) >= _SMALLEST_DELAY and residuals[best] <= _RESIDUAL_RATIO * given:
+        when = f"{abs(better):.3f} s {'later' if better > 0 else 'earlier'} than recorded"
         reason = f"residual {100 * residuals[best]:.0f} % instead of {100 * given:.0f} %"
-        remedy = "check the time stamps, or give delay in the arm file"
+        remedy = f"check the time stamps, or write into the arm file: delay: {better:.3g}"
         yield f"the torque fits the motion best {when} ({reason}): {remedy}"
 
 

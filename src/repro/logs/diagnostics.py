@@ -146,7 +146,7 @@ def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     if not still and (turns or not jumps):
         smooth = smoothed(log)
         warnings += [*velocity_disagrees(log), *better_convention(log, smooth, arm)]
-        warnings += late_torque(smooth)
+        warnings += late_torque(smooth, arm.delay or 0.0)
     return tuple(warnings)
 
 
