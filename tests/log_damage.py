@@ -192,6 +192,7 @@ SUSPECTED = [
     ("one joint still", held(0.2, "q2"), {}),
     ("position jumps", shifted("q1", 0.5, 1200), {}),
     ("a spike", shifted("q2", -2.0, 1200, 1201), {}),
+    ("spikes of the torque", GOOD | {"tau1": np.where(np.arange(N) % 400 == 99, 60.0, GOOD["tau1"])}, {}),
     ("sampled too slowly", columns(recording(np.arange(250) / 10)), {}),
     ("much too slow", without_velocity(scaled(0.01, "q1", "q2")), {}),
     ("wrong unit of time", scaled(30, "time"), {}),
