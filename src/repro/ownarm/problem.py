@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from repro.errors import InputError
 from repro.identification import uncertainty
 from repro.identification.calibration import CALIBRATION, correct_calibration
 from repro.identification.excitation import Identifiability, excitation
@@ -113,10 +114,21 @@ def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:
     return subtract_terms(right, first.settings, first.load, first.taken) if first.taken else right
 
 
+def _check_distinct(fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog]) -> None:
+    """Refuse a log with the samples of one that is fitted."""
+    places = [log.name for log in fitted] + [f"validate: {log.name}" for log in validation]
+    for k, one in enumerate((*fitted, *validation)):
+        for other in fitted[:k]:
+            if np.array_equal(one.log.q, other.log.q) and np.array_equal(one.log.tau, other.log.tau):
+                expected = "each log once" if k < len(fitted) else "a log of another motion"
+                raise InputError.at(places[k], f"the samples of {other.name}", expected)
+
+
 def make_problem(
     fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog], arm: Arm, options: Options
 ) -> IdentificationProblem:
     """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
+    _check_distinct(fitted, validation)
     logs = prepare_logs(fitted, arm, options)
     first = logs[0]
     validation = tuple(replace(loaded, log=_correct_as(loaded.log, logs)) for loaded in validation)
