@@ -48,7 +48,6 @@ def log(tmp_path):
 
 
 def identify(*arguments):
-    """Exit code of the command."""
     return main(["identify", *map(str, arguments)])
 
 
@@ -73,7 +72,7 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
     out = tmp_path / "out"
     out.mkdir()
     own = out / name
-    own.write_text(content or log.read_text())
+    own.write_text(content or log.read_text().rpartition("\n11.")[0])  # less one sample, so that it is another log
     before = own.read_bytes()
     given = [own] if role == "log" else [log, role, own]
     assert identify(*given, "--method", "ordinary", "-o", out, "--overwrite") == 2
@@ -181,6 +180,8 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path):
         (["short.csv", "-o", "out"], "short.csv"),
         (["log.csv", "-o", "out", "--validate", "log.csv"], "the log itself"),
         (["log.csv", "log.csv", "-o", "out"], "the same log twice"),
+        (["log.csv", "-o", "out", "--validate", "copy.csv"], "--validate: copy.csv: found the samples of log.csv"),
+        (["log.csv", "copy.csv", "-o", "out"], "copy.csv: found the samples of log.csv, expected each log once"),
         (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "Algorithm 1 for several logs"),
         (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "cache: log.csv"),
     ],
@@ -190,6 +191,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, ca
     Path("full").mkdir()
     Path("full/kept.txt").write_text("mine")
     Path("degrees.yaml").write_text("zero: [180, 0]\nunits: {position: deg}\n")
+    Path("copy.csv").write_bytes(log.read_bytes())
     Path("short.csv").write_text("".join(log.read_text().splitlines(keepends=True)[:10]))
     before = sorted(Path().rglob("*"))
     assert identify(*arguments, "--method", "ordinary") == 2

@@ -39,7 +39,6 @@ def small(share, seconds=20.0):
 
 
 def spoilt(log, zero1=0.0, zero2=0.0, offset1=0.0, offset2=0.0, scale2=1.0):
-    """A log with these calibration errors."""
     zero, factor, offset = np.array([[[zero1], [zero2]], [[1.0], [scale2]], [[offset1], [offset2]]])
     return replace(log, q=log.q - zero, tau=factor * log.tau + offset)
 

@@ -55,9 +55,8 @@ def test_a_bad_log_is_refused_in_one_line_and_an_odd_one_warned_of(tmp_path, sus
 
 @pytest.mark.slow
 def test_the_remedy_of_another_convention_or_delay_helps(tmp_path, suspected):
-    arm, tried = tmp_path / "arm.yaml", []
+    arm, tried, better = tmp_path / "arm.yaml", [], ("the log reads better", "the torque fits")
     for name, content, keys in SUSPECTED:
-        better = ("the log reads better", "the torque fits")
         before = [w for w in suspected[name].warnings if w.startswith(better) and "write into" in w]
         if keys or not before:
             continue

@@ -89,14 +89,11 @@ def test_messages_without_stamps_and_of_other_joints(tmp_path):
     assert any(note.startswith("columns ignored: finger.position") for note in log.notes)
 
 
-def test_joints_of_any_name_are_named_in_the_arm_file(tmp_path):
-    path = write(tmp_path / "arm", {"/joint_states": states(names=("a", "b"))})
+def test_the_arm_file_names_joints_of_any_name_and_one_of_two_topics(tmp_path):
+    path = write(tmp_path / "named", {"/joint_states": states(names=("a", "b"))})
     assert "found the columns time, a.position, b.position, a.velocity" in refusal(path)
     named = {"q1": "a.position", "q2": "b.position", "tau1": "a.effort", "tau2": "b.effort"}
     assert_same(replace(read_log(path, Arm(columns=named)), dq=None), GOOD)
-
-
-def test_of_two_topics_the_arm_file_says_which(tmp_path):
     path = write(tmp_path / "arm", {"/b": states(), "/a": states(recording(GOOD.t + 1.0))})
     where = "topics of sensor_msgs/JointState: found /a, /b, expected "
     assert refusal(path).endswith(where + "one, or the one to read, as topic in the arm file")
@@ -137,6 +134,5 @@ def test_a_damaged_bag_is_read_or_refused_in_one_line(arm, seed):
 
 @pytest.fixture(scope="module", params=["MCAP", "SQLITE3"])
 def arm(request, tmp_path_factory):
-    """The file of a good bag."""
     folder = write(tmp_path_factory.mktemp("bags") / "arm", {"/joint_states": states()}, request.param)
     return next(path for path in folder.iterdir() if path.suffix != ".yaml")

@@ -67,12 +67,9 @@ def test_blocks_change_nothing(file, monkeypatch, size, old, new):
     assert read() == whole
 
 
-def test_too_many_rows_are_refused(file, monkeypatch):
+def test_too_many_rows_are_refused_and_a_file_too_large_unread(file, monkeypatch):
     monkeypatch.setattr(table, "MOST_ROWS", 599)
     assert "found more than 599 rows, expected at most 599" in refusal(file(text(GOOD)))
-
-
-def test_a_file_too_large_is_refused_unread(file):
     path = file("time,q1\n")
     os.truncate(path, table.LARGEST + 1)  # takes no room on the disk
     assert f"size: found {table.LARGEST + 1} bytes" in refusal(path)

@@ -59,16 +59,13 @@ def test_short_gaps_are_bridged_with_a_note():
     assert dict(describe(without(1000, 1005), Arm()).facts)["gaps"] == "1, 5 samples missing, the longest 30 ms"
 
 
-def test_a_long_gap_splits_the_log():
+def test_a_long_gap_splits_the_log_and_pieces_that_are_too_short_are_left_out():
     log = uniform(without(1000, 1010))
     assert log.notes == ("1 gap of up to 0.055 s: the log is used in 2 pieces of 4.995, 6.945 s",)
     assert_same(log, recording(np.delete(GOOD.t, slice(1000, 1010))))
     assert [piece.t.size for piece in log.pieces] == [1000, 1390]
     assert log.longest.t[0] == GOOD.t[1010]
     assert uniform(log) is log
-
-
-def test_pieces_that_are_too_short_are_left_out():
     log = uniform(without(300, 1000))
     assert log.notes == ("1 gap of up to 3.5 s: the log is used in 1 piece of 6.995 s; 1 too short, left out",)
     assert log.breaks == ()

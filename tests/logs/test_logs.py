@@ -159,9 +159,6 @@ def test_a_capture_is_a_log_and_its_table_the_same_log(tmp_path, read, board):
     decoded = read(to_table(capture).to_csv(index=False), arm, "T4.csv")
     np.testing.assert_allclose(decoded.q, log.q, atol=1e-12)
     np.testing.assert_allclose(decoded.tau, log.tau, atol=1e-12)
-    expected = {
-        "q1 is read from q1_rad, in rad, of q1_rad, q1_counts",
-        "topic of arm.yaml is not used: T4.csv is no bag",
-    }
-    assert {*expected, "counts_per_turn of arm.yaml is not used: q1_rad is in rad"} <= {*decoded.notes}
+    notes = {note.partition(" of arm.yaml is not used: ")[0] for note in decoded.notes}
+    assert notes >= {"q1 is read from q1_rad, in rad, of q1_rad, q1_counts", "counts_per_turn", "topic"}
     assert decoded.simulated == log.simulated

@@ -8,7 +8,6 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, loaded, silent, solved
 from regression_example import log_from, resting
 
-from repro.errors import InputError
 from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
 from repro.ownarm.evaluate import add_runs
@@ -38,7 +37,6 @@ def near(pose, name, seed=1, size=0.1, noise=0.1, zero=0.0, ripple=0.0):
 
 
 def scaled(log, *factors):
-    """The log with the torque of each joint times a factor."""
     return loaded(replace(log.log, tau=log.log.tau * np.reshape(factors, (2, 1))))
 
 
@@ -79,13 +77,6 @@ def test_a_log_of_another_arm_is_named_and_disagrees_from_run_to_run():
     (line,) = (line for line in result.warnings if "disagrees" in line)
     assert line.startswith("the log odd.csv disagrees with the others")
     assert {row.name for row in spread_of_runs(problem, result) if row.agree is False} >= {"I1", "I2", "g1", "g2"}
-
-
-@pytest.mark.parametrize(("fitted", "place"), [(2, "copy.csv"), (1, "validate: copy.csv")])
-def test_a_copy_of_a_log_is_refused(fitted, place):
-    logs = noisy_log("a.csv", 0), noisy_log("copy.csv", 0)
-    with pytest.raises(InputError, match=rf"^{place}: found the samples of a\.csv, expected "):
-        make_problem(logs[:fitted], logs[fitted:], ARM, OPTIONS)
 
 
 def test_logs_whose_delays_differ_do_not_determine_the_common_one_better_than_that():
