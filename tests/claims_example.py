@@ -2,6 +2,7 @@
 
 import hashlib
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -11,7 +12,7 @@ from repro.config import load_config
 from repro.files import read_csv, write_csv
 from repro.model.parameters import NAMES
 from repro.paper.ledger import write_ledger
-from repro.paper.published import PUBLISHED_FILE
+from repro.paper.published import PUBLISHED_FILE, Published, load_published
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIG = ROOT / "config" / "config.yaml"
@@ -32,6 +33,11 @@ APPENDIX = {
     "Dissipation (Eq. 18)": (1.36587e-07, 7.12356e-08),
     "Rate (Eq. 19)": (3.44216e-06, 1.89856e-06),
 }
+
+
+def printed_as(printed):
+    """Numbers of the paper with some of them printed otherwise."""
+    return Published(tuple(replace(v, printed=printed.get(v.id, v.printed)) for v in load_published()))
 
 
 def similarities(cases, methods):

@@ -25,3 +25,9 @@ def _no_handler_is_left_behind():
     root = logging.getLogger()
     for handler in [handler for handler in root.handlers if type(handler) is logging.StreamHandler]:
         root.removeHandler(handler)
+
+
+@pytest.fixture
+def no_figures(monkeypatch):
+    """Leave out the figures of `repro identify`, which take longer than all the rest: kept results show them."""
+    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})

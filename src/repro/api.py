@@ -348,7 +348,6 @@ def identify(
             raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
         require("torch", "cnn", "method Algorithm 1", "method least-squares, or ")
         _check_cache(options.cache)
-    _check_distinct(logs, others)
     loaded = [load_log(source, described) for source in (*logs, *others)]
     for k, each in enumerate(loaded):
         _report_log(each, briefly=k > 0)
@@ -415,17 +414,6 @@ def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool
     if self_test and not set(names) - set(NETWORKS):
         raise InputError.at("self_test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
     return names
-
-
-def _check_distinct(logs: Sequence[Source], validation: Sequence[Source]) -> None:
-    """Refuse a log that is given twice."""
-    files = [log for log in logs if isinstance(log, Path) and log.exists()]
-    for k, path in enumerate(files):
-        if any(path.samefile(other) for other in files[:k]):
-            raise InputError.at(str(path), "the same log twice", "each log once")
-    for source in validation:
-        if isinstance(source, Path) and source.exists() and any(source.samefile(log) for log in files):
-            raise InputError.at(f"validate: {source}", "the log itself", "a log of another motion")
 
 
 def _check_cache(cache: Path) -> None:

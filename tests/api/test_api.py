@@ -48,12 +48,6 @@ METHODS = "of, beta, parameters, errors, residuals, warnings, unusable, predict,
 LOG = "data/captures/T3.bin"
 
 
-@pytest.fixture
-def no_figures(monkeypatch):
-    """Leave out the figures, which take longer than all the rest, where a test is not about them."""
-    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})
-
-
 @pytest.fixture(scope="module")
 def result():
     return repro.identify(LOG, validate=["data/captures/T1.bin"], method=["ordinary", "bounded"], seed=4)

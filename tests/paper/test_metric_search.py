@@ -1,11 +1,11 @@
 """The search for the formulas of Algorithm 2 and the motion of Table 7, and checks of the published similarities."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from claims_example import printed_as
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import distance
@@ -25,7 +25,7 @@ from repro.paper.metric_search import (
     score_motions,
     torque_bounds,
 )
-from repro.paper.published import Published, load_published
+from repro.paper.published import load_published
 from repro.signals.dct import dct2low, spectrum
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
@@ -36,11 +36,6 @@ PUBLISHED = load_published()
 
 def signal(seed, shape=(3, 2, 150)):
     return np.random.default_rng(seed).normal(0.3, 1.0, shape).cumsum(-1)
-
-
-def printed_as(printed):
-    """Numbers of the paper with some of them printed otherwise."""
-    return Published(tuple(replace(v, printed=printed.get(v.id, v.printed)) for v in PUBLISHED))
 
 
 def error(factor, name, x, y):
