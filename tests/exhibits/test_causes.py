@@ -46,7 +46,6 @@ def test_cells_and_effects_by_hand():
         row = effects.loc[(name, "id")]
         assert row["value"] == pytest.approx(np.mean(of_seeds), abs=1e-12)
         assert row["spread"] == pytest.approx(np.std(of_seeds, ddof=1), abs=1e-12)
-    # T1 to T4: neither cause alone does much, both together do.
     for name, value in {"image_motion": 0.3, "training": 0.25, "both": 0.2}.items():
         assert effects.loc[(name, "validation"), "value"] == pytest.approx(value, abs=1e-12)
         assert effects.loc[(name, "validation"), "spread"] == pytest.approx(0.0, abs=1e-12)

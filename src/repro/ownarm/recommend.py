@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from repro.errors import option
+from repro.identification.least_squares import METHODS
 from repro.identification.regression import solve
 from repro.identification.scores import driven, relative_rms
 from repro.logs.armfile import Arm
@@ -23,6 +24,7 @@ SMALL = 0.1  # prediction errors, relative RMS, up to which `WORSE` is not appli
 WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
 #: Standard deviations of the prior between its mean and the estimate, above which they contradict each other.
 CONTRADICTION = 3.0
+FREED = 0.8  # torque error without a known parameter, over that with it, below which the log contradicts it
 LENGTH_RATIO = 1.25  # ratio of the implied length of link 1 to the given one that is left to errors of the given one
 EARLY = -0.005  # a delay below this is no drive's, s
 SHORT = 15.0  # a log of fewer seconds deserves a warning
@@ -103,10 +105,19 @@ def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[s
 
 
 def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
-    """Warn of a prior that the log contradicts."""
-    prior = problem.prior
+    """Warn of a prior that the log contradicts: of a known parameter, because the torque is rebuilt better without."""
+    prior, r, every = problem.prior, problem.moving, np.arange(len(method.parameters))
     if prior is None:
         return
+    given = float(np.mean(relative_rms(r, np.array([p.estimate for p in method.parameters]))))
+    for k in np.flatnonzero(prior.known):
+        free = replace(r, prior=replace(prior, sd=np.where(every == k, np.inf, prior.sd)))
+        beta = METHODS["ordinary"].estimate(free).beta
+        error = float(np.mean(relative_rms(r, beta)))
+        if error < FREED * given:
+            p, change = method.parameters[k], f"torque error {100 * error:.3g} instead of {100 * given:.3g} %"
+            known = f"{p.name} = {prior.mean[k]:.4g} {p.unit}"
+            yield f"the log contradicts {known}, which is given as known: left out it is {beta[k]:.4g} ({change})"
     for k in prior.informative:
         p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
         inside = p.low is not None and p.high is not None and p.low <= mean <= p.high
