@@ -28,7 +28,7 @@ A_LEVEL = 2e-3
 
 @pytest.fixture(scope="module", params=list(examples.FIGURES))
 def figure(request: pytest.FixtureRequest) -> Figure:
-    """Each figure, drawn once, as its PNG has it."""
+    """Each figure, drawn once, at the resolution of its PNG."""
     made = examples.made(request.param, examples.FRAMES[request.param]())
     made.set_dpi(style.PNG_DPI)
     with style.house_style():

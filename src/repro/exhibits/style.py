@@ -212,9 +212,8 @@ def legend_above(figure: F, axes: Axes, columns: int, title: str | None = None) 
 
 
 def save(figure: Figure, title: str, pdf_path: Path, png_path: Path) -> None:
-    """Write a figure as PNG and PDF without date and program version; settings of `house_style` are read here, too."""
-    unversioned = {"Title": title, "Software": None}
-    atomic_write(png_path, lambda path: figure.savefig(path, format="png", dpi=PNG_DPI, metadata=unversioned))
-    figure.set_layout_engine("none")  # both files have one layout, which takes as long as drawing
+    """Write a figure as PDF and PNG without date and program version; settings of `house_style` are read here, too."""
     undated = {"Title": title, "Creator": None, "Producer": None, "CreationDate": None}
     atomic_write(pdf_path, lambda path: figure.savefig(path, format="pdf", metadata=undated))
+    unversioned = {"Title": title, "Software": None}
+    atomic_write(png_path, lambda path: figure.savefig(path, format="png", dpi=PNG_DPI, metadata=unversioned))
