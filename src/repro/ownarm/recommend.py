@@ -110,7 +110,7 @@ def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterat
     if prior is None:
         return
     given = float(np.mean(relative_rms(r, np.array([p.estimate for p in method.parameters]))))
-    for k in np.flatnonzero(prior.known):
+    for k in np.flatnonzero(prior.known).tolist():
         free = replace(r, prior=replace(prior, sd=np.where(every == k, np.inf, prior.sd)))
         beta = METHODS["ordinary"].estimate(free).beta
         error = float(np.mean(relative_rms(r, beta)))
