@@ -236,8 +236,8 @@ def fields(what: object) -> str:
     if what not in (repro.SearchSettings, repro.SignalSettings):
         return ""
     lines = ["", "", "Fields", "------"]
-    for above, name, beside in FIELD.findall(inspect.getsource(what).partition("    def ")[0]):
-        meaning = beside or " ".join(above.replace("#:", "").split())
+    for above, name, behind in FIELD.findall(inspect.getsource(what).partition("    def ")[0]):
+        meaning = behind or " ".join(above.replace("#:", "").split())
         lines += [f"{name} = {getattr(what(), name)!r}", f"    {meaning}"]
     return "\n".join(lines)
 

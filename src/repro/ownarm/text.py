@@ -17,8 +17,9 @@ from repro.ownarm.result import Result, Score, SelfTest
 
 #: What the intervals allow for: by groups, and in full.
 ALLOWED_GROUPS = (
-    "the 95 % intervals allow for noise, the choice of filters, and one unmodelled effect at a time: "
-    "calibration, friction, torque ripple, rotor, gear; not for a wrong scale of both torques"
+    "the 95 % intervals allow for noise, errors of the motion, the choice of filters, lambda and delay, and one "
+    "unmodelled effect at a time: calibration, friction, torque ripple, motor, gear; not for a wrong scale of both "
+    "torques"
 )
 ALLOWED = (
     "the 95 % intervals allow for noise, the choice of filters, lambda and delay, errors of the motion, "
