@@ -59,9 +59,13 @@ def factorial_training_sections(wildcards):
     return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": plain}}
 
 
-# What a job of the study depends on: levels and job sizes do not change what a network learns.
+# What a job of the study depends on: job sizes and levels, but the extremes of friction, change no arm and no network.
 STUDY_JOBS = jobs(config)
-STUDY_TRAINED = {key: config["study"][key] for key in ("seed", "cnn_steps", "training_arms", "posterior", "unmodelled")}
+STUDY_ARMS = {
+    key: config["study"][key] for key in ("seed", "arms", "excitations", "priors", "training_arms", "unmodelled")
+}
+STUDY_ARMS["frictions"] = [min(config["study"]["frictions"]), max(config["study"]["frictions"])]
+STUDY_TRAINED = {key: config["study"][key] for key in ("seed", "cnn_steps", "posterior", "unmodelled")}
 
 
 def study_folder(wildcards):

@@ -2,29 +2,19 @@
 # because the digests of code are known to the main process alone.
 
 
+# One rule, because the start of a job takes half as long as one of these simulations.
 rule study_arms:
     output:
-        out=f"{R}/study/arms.safetensors",
-    params:
-        *call("repro.study.arms:choose"),
-        config=sections(*ARM, "data", "study"),
-    message:
-        "Choosing motions and arms of the study"
-    script:
-        CALL
-
-
-rule study_motions:
-    input:
         choice=f"{R}/study/arms.safetensors",
-    output:
-        out=f"{R}/study/{{excitation}}-{{law}}/training.safetensors",
+        training=[f"{R}/study/{excitation}-{law}/training.safetensors" for excitation, law in trained(config)],
     priority: AWAITED
+    resources:
+        runtime=15,
     params:
-        *call("repro.study.readers:simulate_training"),
-        config={**sections(*ARM, *TRAINED), "study": STUDY_TRAINED},
+        *call("repro.study.readers:make_arms"),
+        config={**sections(*ARM, *TRAINED), "study": STUDY_ARMS},
     message:
-        "Simulating arms to train on, {wildcards.excitation}, {wildcards.law}"
+        "Choosing motions and arms of the study, and simulating arms to train on"
     script:
         CALL
 

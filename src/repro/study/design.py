@@ -51,6 +51,12 @@ def jobs(config: Config) -> dict[str, list[Cell]]:
     return {f"{name}-{k // size}": groups[name][k : k + size] for name, k in starts}
 
 
+def trained(config: Config) -> list[tuple[str, str]]:
+    """Excitation and law of the training arms, for each pair that networks learn from."""
+    s = config["study"]
+    return list(product(s["excitations"], dict.fromkeys(TRAINED_ON[prior] for prior in s["priors"])))
+
+
 def networks(config: Config, job: str) -> list[str]:
     """Networks that a job needs: those of Algorithm 1 only with a cell that it is run in."""
     searched = any(cell.searched for cell in jobs(config)[job])

@@ -40,6 +40,7 @@ from repro.streams import Stream, stream
 from repro.study.arms import (
     Effects,
     around_stored_arm,
+    choose,
     draw_law,
     excitation_config,
     least_squares_similarity,
@@ -47,7 +48,7 @@ from repro.study.arms import (
     record,
     specimens,
 )
-from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs
+from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs, trained
 
 #: Networks that are searched with, and the motion of line 18: the measured one as listed, or the one that was sent.
 SEARCHED: dict[str, ImageMotion] = {ALGORITHM1: "measured", TRACKED: "desired"}
@@ -62,7 +63,14 @@ def _data(config: Config, law: str, unmodelled: bool) -> DataSettings:
     return replace(data_settings(config), prior=prior, unmodelled=effects)
 
 
-def simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Config) -> None:
+def make_arms(choice: Path, training: Sequence[Path], config: Config) -> None:
+    """Choose motions and arms of the study; for each motion and law simulate the arms that readers learn from."""
+    choose(config, choice)
+    for (excitation, law), out in zip(trained(config), training, strict=True):
+        _simulate_training(excitation, law, choice, out, config)
+
+
+def _simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Config) -> None:
     """Simulate the arms that readers of an excitation and a law learn from; keep what training needs of them."""
     c, s = excitation_config(config, excitation), config["study"]
     program, _ = read_choice(choice, config, excitation)
@@ -71,7 +79,8 @@ def simulate_training(excitation: str, law: str, choice: Path, out: Path, config
     beta = draw_law(law, rng, n, config)
     effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, 3.0, n))
     tracks, errors = [], []
-    for one, arm in zip(record(c, beta, [program] * n, effects, "arms to train on"), beta, strict=True):
+    recordings = record(c, beta, [program] * n, effects, f"arms to train on, {excitation}, {law}")
+    for one, arm in zip(recordings, beta, strict=True):
         if np.abs(one.q - program.q)[:, proper].max() > config["data"]["tracked"]["largest_error_rad"]:
             continue
         tracks.append(one.q)
