@@ -78,11 +78,7 @@ def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "noise", "others"),
-    [
-        ({"zero2": -0.08}, 0.03, []),
-        ({"zero2": -0.08}, 0.5, ["zero1", "offset2"]),
-        ({"offset1": 0.3}, 0.9, ["zero1"]),
-    ],
+    [({"zero2": -0.08}, 0.03, []), ({"zero2": -0.08}, 0.5, ["zero1", "offset2"]), ({"offset1": 0.3}, 0.9, ["zero1"])],
     ids=str,
 )
 def test_a_fault_that_a_log_can_hardly_tell_from_another_says_so(wrong, noise, others):

@@ -6,13 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.pipeline.coverage import (
-    MIN_WIDTH,
-    distances,
-    normalised_errors,
-    spread_of,
-    stretch_factors,
-)
+from repro.pipeline.coverage import MIN_WIDTH, distances, normalised_errors, spread_of, stretch_factors
 
 
 def arms(n, seed):

@@ -8,11 +8,7 @@ from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
-from repro.pipeline.identifications import (
-    identify_arms,
-    least_squares_of_arms,
-    mean_training_torque,
-)
+from repro.pipeline.identifications import identify_arms, least_squares_of_arms, mean_training_torque
 from repro.settings import signal_settings
 from repro.signals.dct import image_regressor
 from repro.signals.trajectories import identification_trajectory
