@@ -1,5 +1,7 @@
 """Designed motions: within limits, at rest at the ends, and telling what they are said to tell."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -83,6 +85,8 @@ def test_a_motion_keeps_all_limits_rests_at_its_ends_and_tells_more_than_eq_10(s
 
 def test_a_motion_uses_a_limit_up_and_consists_of_whole_multiples_of_one_frequency(motion, limits):
     assert np.abs(limits.utilisation(moved(motion))).max() > 0.99
+    torque = Envelope(replace(ARM, friction_steepness=4.0), BETA).utilisation(moved(motion))[4:6] * [[1.7], [0.8]]
+    np.testing.assert_allclose(torque, inverse_dynamics(*moved(motion), BETA, 4.0), atol=1e-12)
     free = Arm(position_limit=ARM.position_limit, speed_limit=ARM.speed_limit)
     theirs = published(Envelope(free), (STEPS, H), 0.5, NOISE)
     with pytest.raises(AssertionError):  # these limits do bind

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from log_example import RATE, assert_same, log_of, recording
+from log_example import RATE, assert_same, log_of, motion, recording
 from strategies import seeds
 
 from repro.errors import InputError
@@ -45,6 +45,12 @@ def test_rounded_times_are_no_jitter():
     np.testing.assert_array_equal(log.q, even.q)
     np.testing.assert_allclose(log.t, even.t, atol=1e-4)
     assert describe(rounded, Arm()).warnings == ()
+
+
+def test_a_torque_that_jumps_is_resampled_within_its_values():
+    t = GOOD.t + 0.4 / RATE * np.sin(np.arange(GOOD.t.size))
+    log = uniform(log_of(dataclasses.replace(recording(t), tau=np.sign(motion(t)[1]))))
+    assert np.abs(log.tau).max() <= 1.0
 
 
 def without(begin, end):

@@ -42,6 +42,7 @@ def test_the_six_printed_numbers():
     found = (ours.lambda_m_min, ours.lambda_m_max, ours.lambda_h_min, ours.lambda_q_min, ours.r1_min, ours.r2_max)
     np.testing.assert_allclose(found, [m.min(), m.max(), h.min(), q[0], r1[0], rho * epsilon * r1[1]], rtol=1e-9)
     assert all(ours.conditions.values())
+    assert not replace(ours, r2_max=ours.r1_min).conditions["rate"]
     assert reproduced(ARM) == dict.fromkeys(APPENDIX_NUMBERS, True)
 
 

@@ -53,12 +53,16 @@ def spread_of_runs(problem, result):
 
 
 def test_logs_have_one_delay_and_one_fit_and_each_its_faults():
-    problem = problem_of(noisy_log("a.csv", 0, delay=0.004), noisy_log("b.csv", 1, delay=0.004, zero=(0.08, 0.0)))
+    logs = noisy_log("a.csv", 0, delay=0.004), noisy_log("b.csv", 1, delay=0.004, zero=(0.08, 0.0))
+    problem = problem_of(*logs)
     result, _ = solved(problem)
     assert [log.settings.delay for log in problem.logs] == pytest.approx([0.004, 0.004], abs=5e-4)
     assert problem.logs[0].settings.delay == problem.logs[1].settings.delay
     assert [[fault.name for fault in log.faults] for log in problem.logs] == [[], ["zero1"]]
     assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
+    other = noisy_log("c.csv", 2, delay=0.004)  # is corrected as all logs are, so not at all
+    ((predicted, _),) = make_problem(logs[::-1], (other,), ARM, OPTIONS).validation
+    np.testing.assert_array_equal(predicted.log.q, other.log.q)
     assert any(line.startswith("in b.csv the zero of joint 1") for line in result.warnings)
     assert not any("disagrees" in line for line in result.warnings)
     assert [p.estimate for p in result.best.parameters[:5]] == pytest.approx(BETA[:5], rel=0.03)
@@ -83,6 +87,8 @@ def test_logs_whose_delays_differ_do_not_determine_the_common_one_better_than_th
     logs = problem_of(noisy_log("a.csv", 0, delay=0.004), noisy_log("a.csv", 0, delay=0.006)).logs
     assert [log.settings.delay for log in logs] == pytest.approx([0.005] * 2, abs=2e-4)
     assert [log.delay_error for log in logs] == pytest.approx([0.001] * 2, rel=0.1)
+    stated = make_problem((noisy_log("a.csv", 0, delay=0.004),), (), replace(ARM, delay=0.0), OPTIONS)
+    assert stated.first.settings.delay == 0.0
 
 
 def test_a_log_that_does_not_show_its_fault_is_corrected_next_to_another():
