@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.cnn.image import ImageSettings, Scale, assemble, colours, image_factors
+from repro.cnn.image import ImageSettings, Scale, assemble, colours, image_factors, images
+from repro.model.dynamics import inverse_dynamics
 
 SCALES = get_args(Scale)
 
@@ -32,6 +33,14 @@ def test_factors_assemble_to_equation_9_in_the_precision_of_the_signals(dtype, t
     u, v = image_factors(alpha.astype(dtype), psi.astype(dtype), ImageSettings(scale, constant))
     assert u.dtype == v.dtype == dtype
     np.testing.assert_allclose(assemble(u, v), literal.image(alpha, psi, scale, constant), rtol=0, atol=tolerance)
+
+
+def test_images_of_a_motion_are_those_of_its_torque_over_the_largest_magnitude():
+    q, dq, ddq, torque = np.random.default_rng(5).normal(size=(4, 2, 17))
+    tau, guess = np.where(torque > 0.0, torque, 3.0 * torque), np.linspace(0.1, 0.9, 9)
+    alpha = tau / np.abs(tau).max()
+    expected = literal.image(alpha, 2.0 * alpha - inverse_dynamics(q, dq, ddq, guess), "shared-max", 4.0)
+    np.testing.assert_allclose(images(q, dq, ddq, tau, guess), expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("scale", SCALES)

@@ -37,7 +37,6 @@ def test_the_six_printed_numbers():
     others = (energy, corner * speed, cross**2, r1[0], rho * epsilon * r1[1])
     printed = ["6.2020e-05", "1.3659e-07", "7.1236e-08", "3.4422e-06", "1.8986e-06"]
     assert [f"{value:.4e}" for value in others] == printed
-
     ours = stability_constants(ARM)
     found = (ours.lambda_m_min, ours.lambda_m_max, ours.lambda_h_min, ours.lambda_q_min, ours.r1_min, ours.r2_max)
     np.testing.assert_allclose(found, [m.min(), m.max(), h.min(), q[0], r1[0], rho * epsilon * r1[1]], rtol=1e-9)

@@ -50,6 +50,12 @@ PASSED = [
     ({"condition": 100.1}, {}, {}, ("condition number 100",)),
     ({"friction_correlation": (-0.901, 0.9)}, {"parameters": VAGUE}, {}, ("friction of joint 1", "-0.90")),
     ({"friction_correlation": (-0.9, 0.95)}, {"parameters": VAGUE}, {}, ("friction of joint 2", "0.95")),
+    (
+        {"friction_correlation": (0.92, 0.0)},
+        {"parameters": (*GOOD.parameters[:7], VAGUE[7], GOOD.parameters[8])},
+        {},
+        ("friction of joint 1", "0.92"),
+    ),
     ({}, {"fit": score("log.csv", 0.301, 0.06)}, {}, ("30.1 %", "joint 1 unexplained")),
     ({}, {"fit": score("log.csv", 0.05, 0.42)}, {}, ("42 %", "joint 2 unexplained")),
     ({}, {"whiteness": (0.51, 0.1)}, {}, ("far from white", "0.51")),

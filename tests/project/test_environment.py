@@ -51,6 +51,12 @@ EXTRAS = {name: [*map(Requirement, texts)] for name, texts in PYPROJECT["project
 DIRECT = [*map(Requirement, PYPROJECT["project"]["dependencies"]), *EXTRAS["cnn"], *EXTRAS["workflow"]]
 
 
+def test_every_file_of_the_package_is_installed():
+    folder, patterns = ROOT / "src/repro", PYPROJECT["tool"]["setuptools"]["package-data"]["repro"]
+    others = {path for path in folder.rglob("*.*") if path.suffix not in (".py", ".pyc")}
+    assert others == {path for pattern in patterns for path in folder.glob(pattern)}
+
+
 def conda_pins():
     """Versions of ``envs/repro.yaml`` by the name that pip knows them by."""
     *conda, pip = yaml.safe_load((ROOT / "envs" / "repro.yaml").read_text(encoding="utf-8"))["dependencies"]
