@@ -15,7 +15,7 @@ from fake_board import IDENTITY, PlayedBoard, frames_of, metadata, served
 from repro.errors import InputError
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.link import Receiver, most_bytes, record
-from repro.fpga.messages import MessageKind, encode_start
+from repro.fpga.messages import MessageKind, encode_message, encode_start
 from repro.fpga.server import PtyEndpoint, SocketEndpoint
 
 DESIRED, FRAMES = frames_of(200)
@@ -112,6 +112,14 @@ def test_no_frame_at_all_is_reported_in_one_line(frames, found):
         with pytest.raises(InputError, match=found) as caught:
             recorded(port)
         assert "\n" not in str(caught.value)
+
+
+def test_a_board_whose_answer_cannot_be_read_is_not_taken_for_a_real_one():
+    board = PlayedBoard(FRAMES)
+    board.receive = lambda data: encode_message(MessageKind.IDENTITY, b"[1]")
+    with served(board, PtyEndpoint(), real_time=False) as port:
+        with pytest.raises(InputError, match="found an unreadable answer"):
+            recorded(port)
 
 
 @pytest.mark.parametrize("port", ["/nowhere/at/all", "/dev/null", "socket://127.0.0.1:1", ""])
