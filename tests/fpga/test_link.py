@@ -117,9 +117,9 @@ def test_no_frame_at_all_is_reported_in_one_line(frames, found):
 def test_a_board_whose_answer_cannot_be_read_is_not_taken_for_a_real_one():
     board = PlayedBoard(FRAMES)
     board.receive = lambda data: encode_message(MessageKind.IDENTITY, b"[1]")
-    with served(board, PtyEndpoint(), real_time=False) as port:
-        with pytest.raises(InputError, match="found an unreadable answer"):
-            recorded(port)
+    answer = pytest.raises(InputError, match="found an unreadable answer")
+    with served(board, PtyEndpoint(), real_time=False) as port, answer:
+        recorded(port)
 
 
 @pytest.mark.parametrize("port", ["/nowhere/at/all", "/dev/null", "socket://127.0.0.1:1", ""])
