@@ -109,7 +109,7 @@ REFUSED = [
     ("joints from 0", renamed(q1="q0", q2="q1"), {}),
     ("degrees without a unit", scaled(1 / DEGREE, "q1", "q2"), {}),
     ("a third joint", {**GOOD, "q0": GOOD["q1"], "tau0": GOOD["tau1"]}, {}),
-    ("ambiguous", renamed(dq1="pos1"), {}),
+    ("ambiguous", renamed(q1="q1 [rad]", dq1="pos1 [rad]"), {}),
     ("two units", renamed(q1="q1 [rad]", dq1="q1 [deg]"), {}),
     ("unknown unit", renamed(q1="q1 [grad]"), {}),
     ("unknown unit of a named column", renamed(tau1="Moment [kgm]"), {"columns": {"tau1": "Moment [kgm]"}}),

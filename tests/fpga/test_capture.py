@@ -172,6 +172,7 @@ def test_flipped_bits_of_a_sidecar_are_refused_or_change_nothing(stored):
         (encode_program(dataclasses.replace(CONTROL, kp=(1.0, 2.0)), DESIRED), "gains"),
         (encode_gains(CONTROL), "has no trajectory"),
         (encode_gains(CONTROL) + encode_trajectory(DESIRED) * 2, "a block begins at sample 0, must begin at 400"),
+        (METADATA.program.replace(encode_trajectory(DESIRED[:, :256]), b""), "begins at sample 256, must begin at 0"),
         (encode_trajectory(DESIRED), "must be GAINS"),
     ],
 )
