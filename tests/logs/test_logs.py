@@ -1,5 +1,6 @@
 """Logs: whatever the units, order and spelling of the columns, the same SI signals come out."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -39,8 +40,13 @@ def test_a_plain_log(read):
         "tau1, tau2 in N m",
     )
     assert uniform(log) is log
-    with pytest.raises(InputError, match=r"^arm file: units: found {'position': 'deg'}, expected none, because"):
-        read_log(log, Arm(units={"position": "deg"}))
+    for key, value in (
+        ("units", {"position": "deg"}),
+        ("torque_constant", (1.0, 2.0)),
+        ("counts_per_turn", (9.0, 8.0)),
+    ):
+        with pytest.raises(InputError, match=re.escape(f"arm file: {key}: found {value}, expected none, because")):
+            read_log(log, Arm(**{key: value}))
     lonely = read({name: values for name, values in TABLE.items() if name != "dq1"})
     assert lonely.dq is None and any(note.startswith("dq2 is ignored") for note in lonely.notes)
 

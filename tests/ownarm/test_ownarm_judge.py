@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from log_example import BETA
 from ownarm_problem import ARM, judged, noisy, problem_of, silent, solved, write_log
@@ -30,6 +30,7 @@ WHITE = np.random.default_rng(8).normal(size=(2, 4800))
 HELD = "held at zero: the log alone would make it negative"
 
 
+@example([-0.5, 0.0, -0.2, *[0.1] * 6])
 @given(st.lists(st.floats(-1.0, 1.0), min_size=9, max_size=9))
 def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
     beta = np.array(beta)

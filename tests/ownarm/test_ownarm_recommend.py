@@ -141,6 +141,7 @@ def test_of_errors_within_a_percent_the_first_asked_for_is_taken(part):
     assert recommend((worse, as_good, best))[0] == "as good"
     assert recommend((best, as_good, worse))[0] == "best"
     assert recommend((worse, best))[0] == "best"
+    assert recommend((worse, replace(best, claims_intervals=False)))[0] == "worse"
 
 
 def network(error, similarity=0.9, name="algorithm1", **changes):

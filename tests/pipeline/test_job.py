@@ -57,10 +57,11 @@ def test_any_other_failure_has_its_traceback_in_the_log_alone(log, capsys, error
 
 
 def test_progress_goes_to_the_log_and_the_terminal(log, capsys):
-    with job(str(log)):
-        logging.getLogger("repro.anything").info("half done")
-    assert capsys.readouterr().err == "half done\n"
-    assert log.read_text(encoding="utf-8").endswith("half done\n")
+    for line in ("of an earlier run", "half done"):
+        with job(str(log)):
+            logging.getLogger("repro.anything").info(line)
+    assert capsys.readouterr().err == "of an earlier run\nhalf done\n"
+    assert [line.endswith("half done") for line in log.read_text(encoding="utf-8").splitlines()] == [True]
 
 
 @pytest.mark.parametrize("threads", [1, 2])
