@@ -40,11 +40,7 @@ def test_a_plain_log(read):
         "tau1, tau2 in N m",
     )
     assert uniform(log) is log
-    for key, value in (
-        ("units", {"position": "deg"}),
-        ("torque_constant", (1.0, 2.0)),
-        ("counts_per_turn", (9.0, 8.0)),
-    ):
+    for key, value in (("units", {"time": "s"}), ("torque_constant", (1.0, 2.0)), ("counts_per_turn", (9.0, 8.0))):
         with pytest.raises(InputError, match=re.escape(f"arm file: {key}: found {value}, expected none, because")):
             read_log(log, Arm(**{key: value}))
     lonely = read({name: values for name, values in TABLE.items() if name != "dq1"})
