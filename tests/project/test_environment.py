@@ -146,6 +146,7 @@ def test_every_check_is_one_of_make_test():
     commands = planned(ROOT, "test")
     checks = ("ruff check", "ruff format --check", "mypy", "lint-imports", "snakefmt --check", "--lint", "pytest")
     assert [name for name in checks if name not in commands] == []
+    assert planned(ROOT, "golden").rstrip().endswith(".ci/golden.py")
 
 
 @needs_make

@@ -60,6 +60,14 @@ def test_friction_alone_is_multiplied():
     np.testing.assert_array_equal(changed[:, 5:], 0.5 * beta[:, 5:])
 
 
+def test_effects_on_a_joint_are_in_proportion_to_its_own_torque():
+    beta = draw_law("wide", np.random.default_rng(1), 3, CONFIG)
+    k1 = np.eye(9)[7]
+    levels, more = (Effects.drawn(np.random.default_rng(2), beta + size * k1).levels for size in (0.0, 0.4))
+    np.testing.assert_array_equal(more[..., 1], levels[..., 1])
+    assert (more[1, :, 0] > levels[1, :, 0]).all() and (more[2:4, :, 0] < levels[2:4, :, 0]).all()
+
+
 def test_what_is_observed_of_an_arm():
     """A delay of three samples, a deflection in proportion to the torque, and a torque constant that rises with it."""
     h, t = 0.0025, np.arange(400)
