@@ -39,6 +39,7 @@ STROKES: Final[tuple[dict[str, Any], ...]] = (
 MARKS: Final = ("o", "s", "D", "^", "v", "P", "X", "*", "h")
 _CLOSE_UP_PART, _CLOSE_UP_LEAST = 1 / 8, 2.0  # the close-up shows this part of the log, but at least so many seconds
 _FLOOR = 1e-4  # a spectrum is shown down to this part of its largest amplitude
+_LINE = 0.17  # height of a line of the legend, inches
 _MOST_DECADES = 3.0  # a frequency axis of fewer decades also names 2 and 5 of each
 _CUTOFF_VIEW = 2.0  # frequencies shown of the choice of the cut-off, over the highest that could have been chosen
 #: Panels by row: inertia; gravity, viscous and Coulomb friction of joint 1; the same of joint 2.
@@ -88,15 +89,28 @@ def label(title: str) -> str:
     return title.replace("$", r"\$").lstrip("_")
 
 
-def _legend(figure: Figure, axes: Axes, simulated: bool) -> None:
-    """Put the legend above all panels, and over it that the log is simulated."""
-    columns = min(len(axes.get_legend_handles_labels()[0]), 4)
-    style.legend_above(figure, axes, columns, style.SIMULATED if simulated else None)
+def _figure(height: float) -> Figure:
+    """Make an empty figure as wide as a page, without the automatic spacing, which takes a third of the drawing."""
+    return Figure(figsize=(style.PAGE, height))
+
+
+def _place(figure: Figure, left: float, below: float, above: float, beside: float = 0.0, between: float = 0.0) -> None:
+    """Arrange the panels: inches around all of them, and gaps as shares of a panel's width and height."""
+    width, height = figure.get_size_inches()
+    edges = {"left": left / width, "right": 1.0 - 0.15 / width, "bottom": below / height, "top": 1.0 - above / height}
+    figure.subplots_adjust(**edges, wspace=beside, hspace=between)
+
+
+def _legend(figure: Figure, axes: Axes, simulated: bool) -> float:
+    """Put the legend above all panels, and over it that the log is simulated; return its height in inches."""
+    entries = len(axes.get_legend_handles_labels()[0])
+    style.legend_above(figure, axes, min(entries, 4), style.SIMULATED if simulated else None)
+    return _LINE * (-(-entries // 4) + simulated)
 
 
 def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = False) -> Figure:
     """Draw measured and rebuilt torque of both joints with the residual below, the whole log next to a close-up."""
-    figure = style.new_figure(style.PAGE, 5.3)
+    figure = _figure(5.3)
     ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
     grid, methods = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios), list(titles)
     length = float(signals.t[-1] - signals.t[0])
@@ -125,13 +139,13 @@ def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = 
     for axes in grid[-1]:
         axes.set_xlabel(TIME)
     figure.align_ylabels(grid[:, 0])
-    _legend(figure, grid[0, 1], simulated)
+    _place(figure, 0.55, 0.32, 0.26 + _legend(figure, grid[0, 1], simulated), 0.04, 0.2)
     return figure
 
 
 def draw_spectra(signals: Signals, titles: Mapping[str, str], simulated: bool = False) -> Figure:
     """Draw amplitude spectra of both torques, up to the last frequency with a thousandth of the largest amplitude."""
-    figure = style.new_figure(style.PAGE, 2.5)
+    figure = _figure(2.5)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     curves = np.stack([signals.tau_spectrum, *(signals.rebuilt_spectrum[method] for method in titles)])
     largest = float(curves.max()) or 1.0
@@ -149,7 +163,7 @@ def draw_spectra(signals: Signals, titles: Mapping[str, str], simulated: bool = 
     _logarithmic(panels[0])
     panels[0].set_ylim(_FLOOR * largest, 2.0 * largest)
     panels[0].set_ylabel("Amplitude (N·m)")
-    _legend(figure, panels[0], simulated)
+    _place(figure, 0.55, 0.32, 0.26 + _legend(figure, panels[0], simulated), 0.04)
     return figure
 
 
@@ -172,7 +186,7 @@ def _logarithmic(axes: Axes) -> None:
 
 def draw_cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
     """Draw the two curves that decide the cut-off."""
-    figure = style.new_figure(style.PAGE, 2.4)
+    figure = _figure(2.4)
     panels = figure.subplots(1, 2, sharex=True)
     shown = (curve.frequency > 0.0) & (curve.frequency <= _CUTOFF_VIEW * curve.highest)
     f = curve.frequency[shown]
@@ -188,7 +202,7 @@ def draw_cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
     panels[0].set_ylabel("Position over its noise (1)")
     panels[1].set_ylim(0.0, 1.05)
     panels[1].set_ylabel("Torque explained by Eq. 1 (1)")
-    _legend(figure, panels[0], simulated)
+    _place(figure, 0.55, 0.32, 0.1 + _legend(figure, panels[0], simulated), 0.16)
     return figure
 
 
@@ -196,7 +210,8 @@ def draw_parameters(result: Result) -> Figure:
     """Draw estimate and 95 % interval of each parameter by each method, one panel a parameter."""
     titles = ordered_titles(result)
     estimates = {m.method: {parameter.name: parameter for parameter in m.parameters} for m in result.methods}
-    figure = style.new_figure(style.PAGE, 1.2 + 3 * (0.35 + 0.17 * len(titles)))
+    panel = 0.17 * len(titles)
+    figure = _figure(0.4 + 3 * (panel + 0.4))
     grid = figure.subplots(3, 3, sharey=True)
     for row, names in zip(grid, PANELS, strict=True):
         for axes, name in zip(row, names, strict=True):
@@ -205,6 +220,8 @@ def draw_parameters(result: Result) -> Figure:
     grid[0, 0].set_ylim(len(titles) - 0.5, -0.5)
     legend = "Mark: estimate; bar: 95 % interval, where the method claims one"
     figure.suptitle(f"{style.SIMULATED}. {legend}" if result.simulated else legend, fontsize=style.TEXT_SIZE)
+    longest = max(len(label(title)) for title in titles.values())
+    _place(figure, 0.1 + 0.045 * longest, 0.4, 0.3, 0.08, 0.4 / panel)
     return figure
 
 
