@@ -51,8 +51,7 @@ def test_noise_in_the_regressor_attenuates_ordinary_and_not_instrumental():
     assert (biased < -0.03).all()
     assert biased.mean() < -0.08
     assert np.abs(fair).max() < 0.03
-    standard_error = np.std(instrumental, 0) / np.sqrt(200)
-    assert (np.abs(fair) < 4.0 * standard_error).all()
+    assert (np.abs(fair) < 4.0 * np.std(instrumental, 0) / np.sqrt(200)).all()
 
 
 def test_weighted_is_generalised_least_squares_of_known_variances():
@@ -108,8 +107,7 @@ def test_consistent_is_so_and_meets_the_conditions_of_optimality(seed):
     assert np.linalg.eigvalsh(s).min() > -1e-5 * size * length[:3].max()
     margin = np.linalg.eigvalsh(x).min()
     assert margin > 1e-6 * np.trace(x)
-    beyond = x - margin * np.eye(2)
-    assert abs(np.sum(s * beyond)) < 1e-5 * size**2
+    assert abs(np.sum(s * (x - margin * np.eye(2)))) < 1e-5 * size**2
 
 
 @pytest.mark.parametrize("seed", [0, 3, 10, 15, 37, 39])

@@ -80,7 +80,6 @@ def test_whiteness_of_a_residual_made_by_hand():
 
 
 # A Gaussian prior, against Bayesian linear regression in closed form and a simulated arm with known truth.
-
 SIZE = 0.05
 R = noisy(BETA, size=SIZE)
 

@@ -24,9 +24,7 @@ EDGE = 2.0 * np.sqrt(BETA[2] * (BETA[0] - BETA[2]))
 
 def changed(name, factor, beta=BETA):
     """The parameters with one multiplied."""
-    other = beta.copy()
-    other[NAMES.index(name)] *= factor
-    return other
+    return beta * np.where(np.array(NAMES) == name, factor, 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -49,8 +47,7 @@ def held():
 
 
 def error(log, beta, settings=HELD):
-    (found,) = position_errors(log, settings, beta[np.newaxis])
-    return found
+    return position_errors(log, settings, beta[np.newaxis])[0]
 
 
 def test_relative_rms_by_hand():
@@ -100,8 +97,7 @@ def test_inertia_that_is_not_positive_definite_has_no_motion(held):
 
 
 def test_negative_friction_is_simulated_as_it_is():
-    driven = BETA.copy()
-    driven[5:] = -0.03, 0.04, 0.2, -0.05
+    driven = np.array([*BETA[:5], -0.03, 0.04, 0.2, -0.05])
     log = log_of(recording(beta=driven))
     true = error(log, driven, FilterSettings())
     assert max(true) < 3e-3

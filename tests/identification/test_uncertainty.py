@@ -109,10 +109,8 @@ def test_redrawn_samples_are_whole_stretches_of_the_log(data):
     length = data.draw(st.integers(1, n))
     rows = resample(n, length, np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
     assert rows.shape == (n,)
-    assert rows.min() >= 0
-    assert rows.max() < n
-    inside = np.arange(1, n) % length != 0
-    assert (np.diff(rows)[inside] == 1).all()
+    assert 0 <= rows.min() <= rows.max() < n
+    assert (np.diff(rows)[np.arange(1, n) % length != 0] == 1).all()
 
 
 @pytest.mark.parametrize(
@@ -158,8 +156,6 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
 
 
 # Choices of the analysis: projections against joint least squares, and what a log shows.
-
-
 SETTINGS = FilterSettings()
 LOG = log_from(motion)
 
@@ -272,7 +268,6 @@ def test_the_weight_is_one_minus_the_critical_value_over_f():
     assert shrinkage(plain, plain, 2) == 0.0
     rows = np.concatenate([y, x], axis=-1).reshape(800, 10)
     before, after = (np.linalg.lstsq(rows[:, :k], plain.tau.reshape(-1))[1][0] for k in (9, 10))
-    f = (before / after - 1.0) * 790
-    expected = 1.0 - stats.f.isf(0.05, 1, 790) / f
+    expected = 1.0 - stats.f.isf(0.05, 1, 790) / ((before / after - 1.0) * 790)
     # Samples are independent but for a correlation time that chance makes a little longer than a sample.
     assert 0.0 < shrinkage(plain, project_out(plain, x), 1) == pytest.approx(expected, abs=0.02)
