@@ -11,24 +11,12 @@ from regression_example import H, autoregressive, exact, exciting, log_from, reg
 from scipy import stats
 from strategies import seeds
 
+from repro.identification import uncertainty
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
 from repro.identification.regression import correlation_time, drop_standstill, solve
-from repro.identification.uncertainty import (
-    GROUPS,
-    STEEPNESS_FACTORS,
-    Perturbation,
-    WeightedLog,
-    block_length,
-    bootstrap,
-    perturbations,
-    project_out,
-    resample,
-    shrinkage,
-    simex,
-    unmodelled_effects,
-)
+from repro.identification.uncertainty import Perturbation, WeightedLog
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES
 
@@ -46,7 +34,7 @@ def textbook(r):
 
 
 def ordinary_spread(r, seed, replicates=200, method=ORDINARY, as_good=None):
-    return bootstrap(method, r, method.estimate(r), as_good or {}, np.random.default_rng(seed), replicates)
+    return uncertainty.bootstrap(method, r, method.estimate(r), as_good or {}, np.random.default_rng(seed), replicates)
 
 
 @pytest.mark.slow
@@ -76,7 +64,7 @@ def test_intervals_reach_as_far_as_students_t():
     # Residuals correlated throughout make the longest blocks: twenty, 19 degrees of freedom, 2.093 in every table.
     r = exciting(N)
     drifting = replace(r, tau=r.tau + 0.1 * np.sin(2 * np.pi * T / T[-1]))
-    assert block_length(drifting.tau - drifting.y @ ORDINARY.estimate(drifting).beta, H) == N // 20
+    assert uncertainty.block_length(drifting.tau - drifting.y @ ORDINARY.estimate(drifting).beta, H) == N // 20
     spread = ordinary_spread(drifting, 3)
     assert (spread.high - spread.low) / (2 * spread.standard_error) == pytest.approx([2.093] * 9, abs=1e-3)
 
@@ -107,7 +95,7 @@ def test_correlation_time_of_an_autoregression_is_its_theory(rho):
 def test_redrawn_samples_are_whole_stretches_of_the_log(data):
     n = data.draw(st.integers(1, 300))
     length = data.draw(st.integers(1, n))
-    rows = resample(n, length, np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
+    rows = uncertainty.resample(n, length, np.random.default_rng(data.draw(st.integers(0, 2**32 - 1))))
     assert rows.shape == (n,)
     assert 0 <= rows.min() <= rows.max() < n
     assert (np.diff(rows)[np.arange(1, n) % length != 0] == 1).all()
@@ -152,7 +140,7 @@ def test_what_a_method_chose_is_kept_in_every_replicate():
 
     chooser = replace(ORDINARY, estimate=lambda _: Estimate(BETA, choice=0.7), refit=refit)
     ordinary_spread(r, 0, 15, chooser, {"filters": Perturbation((r, r))})
-    assert seen == [0.7] * (15 + GROUPS + 2)
+    assert seen == [0.7] * (15 + uncertainty.GROUPS + 2)
 
 
 # Choices of the analysis: projections against joint least squares, and what a log shows.
@@ -170,14 +158,14 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
     rng = np.random.default_rng(seed)
     y, tau, x = rng.normal(size=(2, 80, 9)), rng.normal(size=(2, 80)), rng.normal(size=(2, 80, 3))
     beside = np.linalg.lstsq(np.concatenate([y, x], axis=-1).reshape(160, 12), tau.reshape(-1))[0][:9]
-    left = project_out(regression_of(y, tau), x)
+    left = uncertainty.project_out(regression_of(y, tau), x)
     np.testing.assert_allclose(solve(left.y, left.tau), beside, rtol=1e-6, atol=1e-9)
 
 
 def effects(log, corrected=None):
     """Effects beyond Eq. 1 that a log may have, if one with its calibration errors corrected may explain it instead."""
     own, plain = (drop_standstill(prepare(one, SETTINGS)) for one in (log, corrected or log))
-    return unmodelled_effects([WeightedLog(log, SETTINGS)], own, plain)
+    return uncertainty.unmodelled_effects([WeightedLog(log, SETTINGS)], own, plain)
 
 
 FRICTION = "both kinds of friction"
@@ -224,7 +212,7 @@ def test_errors_of_the_motion_once_more_shrink_an_estimate_as_they_did(seed):
     tau = y @ BETA
     y[..., :5] *= 1.0 + 0.2 * rng.choice([-1.0, 1.0], size=(*tau.shape, 5))
     found = regression_of(y, tau)
-    once, twice = (solve(r.y, r.tau)[:5] / BETA[:5] for r in (found, simex(found)))
+    once, twice = (solve(r.y, r.tau)[:5] / BETA[:5] for r in (found, uncertainty.simex(found)))
     off = np.abs(once - 1.0).max()
     assert off > 0.04
     assert np.abs(2.0 * once - twice - 1.0).max() < 0.5 * off
@@ -237,10 +225,10 @@ def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_another_lambda_is_one_of_the_perturbations(which):
-    true = SETTINGS.friction_steepness * STEEPNESS_FACTORS[which]
+    true = SETTINGS.friction_steepness * uncertainty.STEEPNESS_FACTORS[which]
     log = replace(LOG, tau=regressor(*motion(LOG.t), true) @ BETA)
     plain = drop_standstill(prepare(log, SETTINGS))
-    found = perturbations([WeightedLog(log, SETTINGS)], plain)["lambda"]
+    found = uncertainty.perturbations([WeightedLog(log, SETTINGS)], plain)["lambda"]
     off = [np.abs(r.tau - r.y @ solve(r.y, r.tau)).max() for r in (*found.regressions, plain)]
     assert off[which] < 0.3 * min(off[1 - which], off[2])
     assert not found.rival
@@ -265,9 +253,9 @@ def test_the_weight_is_one_minus_the_critical_value_over_f():
     rng = np.random.default_rng(1)
     y, x = rng.normal(size=(2, 400, 9)), rng.normal(size=(2, 400, 1))
     plain = regression_of(y, rng.normal(size=(2, 400)) + 0.12 * x[..., 0])
-    assert shrinkage(plain, plain, 2) == 0.0
+    assert uncertainty.shrinkage(plain, plain, 2) == 0.0
     rows = np.concatenate([y, x], axis=-1).reshape(800, 10)
     before, after = (np.linalg.lstsq(rows[:, :k], plain.tau.reshape(-1))[1][0] for k in (9, 10))
     expected = 1.0 - stats.f.isf(0.05, 1, 790) / ((before / after - 1.0) * 790)
     # Samples are independent but for a correlation time that chance makes a little longer than a sample.
-    assert 0.0 < shrinkage(plain, project_out(plain, x), 1) == pytest.approx(expected, abs=0.02)
+    assert 0.0 < uncertainty.shrinkage(plain, uncertainty.project_out(plain, x), 1) == pytest.approx(expected, abs=0.02)
