@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from experiment_example import refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import columns, recording, text, write
@@ -24,11 +25,9 @@ GOOD = columns(recording(np.arange(600) / 200.0))
 
 def refusal(path):
     began = time.process_time()
-    with pytest.raises(InputError) as caught:
-        read_log(path, Arm())
+    line = refused(read_log, path, Arm())
     assert time.process_time() - began < 5.0
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
+    return line
 
 
 @pytest.fixture
@@ -38,15 +37,7 @@ def file(tmp_path):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [
-        ("", ""),
-        ("\n", "\r\n"),
-        ("0.", "0,"),
-        ("0.005,", "0.005,é"),
-        ("0.5,", "0.5_,"),
-        ("1.5,", "1.5,,"),
-        ("2.5,", ","),
-    ],
+    [("", ""), ("\n", "\r\n"), ("0.", "0,"), ("0.01,", "0.01,é"), ("0.5,", "0.5_,"), ("1.5,", "1.5,,"), ("2.5,", ",")],
     ids=["good", "line ends", "commas", "text", "underscore", "cell too many", "cells missing"],
 )
 @pytest.mark.parametrize("size", [1, 7, 64])

@@ -106,14 +106,7 @@ def test_signs_zeros_and_absolute_angles_are_put_right(read):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [
-        ("time", "# recorded by hand\n#\n\ntime"),
-        ("time", "\ufefftime"),
-        ("\n", "\r\n"),
-        ("\n", "\r"),
-        (",", ", "),
-        ("\n", "\n\n"),
-    ],
+    [("time", "# notes\n#\n\ntime"), ("time", "\ufefftime"), ("\n", "\r\n"), ("\n", "\r"), (",", ", "), ("\n", "\n\n")],
 )
 def test_what_surrounds_the_numbers_does_not_matter(tmp_path, old, new):
     assert_same(read_log(write(tmp_path, text(TABLE, 15).replace(old, new)), Arm()), GOOD)
@@ -138,9 +131,7 @@ def test_a_quantised_log_is_as_good(read):
     log = read(table, arm)
     assert_same(log, GOOD, q=0.51 * step, tau=0.0026)
     description = describe(log, arm)
-    facts = dict(description.facts)
-    assert facts["step of position 2"] == f"{step:.3g} rad"
-    assert facts["step of torque 1"] == "0.005 N m"
+    assert {("step of position 2", f"{step:.3g} rad"), ("step of torque 1", "0.005 N m")} <= set(description.facts)
     assert description.warnings == ()
 
 
