@@ -78,9 +78,8 @@ DELAY, ZERO = 0.005, 0.08
 
 def test_one_delay_one_zero_and_the_parameters_of_all_pieces(tmp_path):
     """30 s: cells empty for 1 s, 3.5 s never written, and a piece of 1 s between two gaps."""
-    rng = np.random.default_rng(0)
     r = recording(T)
-    tau = recording(T + DELAY).tau + 0.02 * rng.normal(size=(2, T.size))
+    tau = recording(T + DELAY).tau + 0.02 * np.random.default_rng(0).normal(size=(2, T.size))
     table = columns(replace(r, q=r.q + np.array([[ZERO], [0.0]]), tau=tau))
     table["tau2"] = ["NaN" if 9.0 <= t < 10.0 else f"{x:.9g}" for t, x in zip(T, table["tau2"], strict=True)]
     keep = np.flatnonzero((T < 18.0) | ((T >= 19.5) & (T < 20.5)) | (T >= 21.5))

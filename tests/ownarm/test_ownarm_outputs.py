@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ownarm_example import example_curves, example_result, parameters, png, score
+from experiment_example import refused
+from ownarm_example import example_curves, example_result, parameters, score
 from ownarm_problem import ARM, FILES, tree
 
 from repro.errors import InputError
@@ -18,13 +19,8 @@ from repro.ownarm import outputs, tables
 from repro.ownarm.outputs import bibtex, citations, entries, write_result
 from repro.ownarm.result import Curves
 
+pytestmark = pytest.mark.usefixtures("no_figures")
 CURVES = example_curves(3.0)
-
-
-@pytest.fixture(autouse=True)
-def small_figures(monkeypatch):
-    """What is drawn is another test's concern."""
-    monkeypatch.setattr(outputs, "figures_of", lambda result, curves: {"parameters": png()})
 
 
 def everything(folder):
@@ -98,10 +94,8 @@ def test_a_folder_that_cannot_be_used_is_refused_in_one_line(tmp_path, out, over
     (tmp_path / "full").mkdir()
     for name in ("file", "full/x"):
         (tmp_path / name).touch()
-    with pytest.raises(InputError, match=words) as refused:
-        check_folder(tmp_path / out, overwrite)
-    assert "\n" not in str(refused.value)
-    assert str(tmp_path) in str(refused.value)
+    line = refused(check_folder, tmp_path / out, overwrite)
+    assert words in line and str(tmp_path) in line
     assert everything(tmp_path) == ["file", "full", "full/x"]
 
 

@@ -24,8 +24,6 @@ from repro.ownarm.tables import rounded
 pytestmark = pytest.mark.slow
 TIMES = style.TIMES
 HOSTILE = '<script>alert(1)</script>&".csv'
-
-
 #: A small picture for each, none like another: what is drawn is another test's concern.
 PICTURES = {name: png(10 + k) for k, name in enumerate(("parameters", "cutoff", "overlay-1", "spectra-1"))}
 
