@@ -3,10 +3,10 @@
 import dataclasses
 import hashlib
 import json
-import re
 
 import numpy as np
 import pytest
+from experiment_example import refused
 from fake_board import CONTROL, IDENTITY, metadata, motion
 from hypothesis import given
 from hypothesis import strategies as st
@@ -121,20 +121,18 @@ def test_a_wrong_sidecar_is_named_in_one_line(stored, key, value, place):
     if value is None:
         del values[name]
     sidecar.write_text(json.dumps(content))
-    with pytest.raises(InputError, match=re.escape(place)) as caught:
-        read_capture(stored)
-    assert str(caught.value).startswith(str(stored.with_suffix("")))
-    assert "\n" not in str(caught.value)
+    line = refused(read_capture, stored)
+    assert line.startswith(str(stored.with_suffix(""))) and place in line
 
 
 @pytest.mark.parametrize(
     ("name", "content", "place"),
     [
-        ("T4.bin", FRAMES[:-1], r"T4\.bin: size: found 3199 bytes, expected the 3200 of T4\.json"),
-        ("T4.bin", FRAMES[:100] + bytes([FRAMES[100] ^ 1]) + FRAMES[101:], r"T4\.bin: SHA-256: found"),
-        ("T4.json", None, r"T4\.bin: found no T4\.json next to it"),
-        ("T4.json", b"{", r"T4\.json: found text that is not JSON"),
-        ("T4.json", b"[]", r"T4\.json: content: found \[\], expected a section"),
+        ("T4.bin", FRAMES[:-1], "T4.bin: size: found 3199 bytes, expected the 3200 of T4.json"),
+        ("T4.bin", FRAMES[:100] + bytes([FRAMES[100] ^ 1]) + FRAMES[101:], "T4.bin: SHA-256: found"),
+        ("T4.json", None, "T4.bin: found no T4.json next to it"),
+        ("T4.json", b"{", "T4.json: found text that is not JSON"),
+        ("T4.json", b"[]", "T4.json: content: found [], expected a section"),
     ],
 )
 def test_a_wrong_file_is_named_in_one_line(stored, name, content, place):
@@ -142,9 +140,7 @@ def test_a_wrong_file_is_named_in_one_line(stored, name, content, place):
     path.unlink()
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(InputError, match=place) as caught:
-        read_capture(stored)
-    assert "\n" not in str(caught.value)
+    assert place in refused(read_capture, stored)
 
 
 def test_flipped_bits_of_a_sidecar_are_refused_or_change_nothing(stored):
@@ -183,9 +179,8 @@ def test_a_program_that_contradicts_the_sidecar_is_refused(stored, program, foun
     content = json.loads(sidecar.read_text())
     content["program"] |= {"bytes": len(program), "sha256": hashlib.sha256(program).hexdigest()}
     sidecar.write_text(json.dumps(content))
-    with pytest.raises(InputError, match=found) as caught:
-        read_capture(stored)
-    assert str(caught.value).startswith(f"{sent}: ")
+    line = refused(read_capture, stored)
+    assert line.startswith(f"{sent}: ") and found in line
 
 
 def test_short_gaps_are_interpolated_and_recorded():
@@ -214,7 +209,7 @@ def test_short_gaps_are_interpolated_and_recorded():
 @pytest.mark.parametrize(
     ("data", "reason", "found"),
     [
-        (FRAMES[:800], "silent", r"incomplete recording \(silent\)"),
+        (FRAMES[:800], "silent", "incomplete recording (silent)"),
         (FRAMES[:800] + bytes(40) + FRAMES[840:], "", "byte 792: found a gap of about 6 samples, expected at most 4"),
         (bytes(8) + FRAMES[8:], "", "byte 0: found a gap of about 1 samples"),
         (FRAMES[:-8] + bytes(8), "", "byte 3184: found a gap of about 2 samples"),
@@ -222,9 +217,8 @@ def test_short_gaps_are_interpolated_and_recorded():
     ],
 )
 def test_recordings_with_long_gaps_are_refused(data, reason, found):
-    with pytest.raises(InputError, match=found) as caught:
-        recording_of(decode_capture(data, dataclasses.replace(METADATA, end_reason=reason)))
-    assert "\n" not in str(caught.value)
+    capture = decode_capture(data, dataclasses.replace(METADATA, end_reason=reason))
+    assert found in refused(recording_of, capture)
 
 
 def test_the_control_law_confirms_every_frame_that_it_can():

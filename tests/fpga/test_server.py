@@ -181,8 +181,7 @@ def test_faults_are_those_of_the_injector_and_a_stall_delays_the_rest(endpoint):
 
 
 def test_a_cable_pulled_out_and_in_again(endpoint):
-    settings = ErrorRates(disconnect_after=805)
-    injector = lambda: ErrorInjector(settings, np.random.default_rng(3))  # noqa: E731
+    injector = partial(ErrorInjector, ErrorRates(disconnect_after=805), np.random.default_rng(3))
     board = PlayedBoard(FRAMES)
     with served(board, endpoint, real_time=False, injector=injector):
         for _ in range(2):
