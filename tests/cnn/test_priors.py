@@ -36,8 +36,7 @@ def test_simple_priors_fill_their_range_independently(prior, median):
     assert beta.min(0).max() < 1.5e-3
     assert beta.max(0).min() > 0.995
     np.testing.assert_allclose(np.median(beta, 0), median, rtol=0.06)
-    between = np.corrcoef(beta.T) - np.eye(9)
-    assert np.abs(between).max() < 0.04
+    assert np.abs(np.corrcoef(beta.T) - np.eye(9)).max() < 0.04
 
 
 def test_link_prior_gives_arms_that_could_be_built():
@@ -75,8 +74,7 @@ def test_training_guesses_are_exact_near_and_uniform_in_the_chosen_shares():
     exact, near = miss == 0, (miss > 0) & (miss < 1e-3)
     assert [exact.mean(), near.mean()] == pytest.approx([0.3, 0.5], abs=0.015)
     far = guess[~exact & ~near]
-    assert far.min() >= 1e-3
-    assert far.max() <= 3.0
+    assert 1e-3 <= far.min() <= far.max() <= 3.0
     np.testing.assert_allclose(far.mean(0), 1.5005, atol=0.06)
     # The size of a near miss is log-uniform: on the logarithmic axis half lie below the geometric mean. The
     # largest of nine normal errors is about 1.9 sizes.

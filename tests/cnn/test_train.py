@@ -28,15 +28,9 @@ MOTION = sample_motion(identification_trajectory(SIGNALS.duration, SIGNALS.h), S
 DATA = DataSettings()
 
 # Checkpoints (20, 40) fall between rows of the history (15, 30, 45, 60); progress is reported at 50 and 60.
+SHORT = PaperSchedule(images=40)
 STREAMED = TrainingSettings(
-    steps=60,
-    batch=8,
-    warmup=5,
-    test_samples=32,
-    log_every=15,
-    checkpoint_every=20,
-    precision="float32",
-    paper=PaperSchedule(images=40),
+    steps=60, batch=8, warmup=5, test_samples=32, log_every=15, checkpoint_every=20, precision="float32", paper=SHORT
 )
 PAPER = replace(STREAMED, recipe="paper")
 BFLOAT16 = replace(STREAMED, precision="bfloat16")
@@ -120,17 +114,9 @@ def test_checkpoint_of_another_run_is_left_aside(tmp_path):
 
 def test_a_run_is_another_whatever_changes_its_result():
     usual = {"motion": MOTION, "data": DATA, "network": literal.SMALL, "s": STREAMED}
-    changes = [
-        {},
-        {"s": OTHER},
-        {"s": PAPER},
-        {"s": BFLOAT16},
-        {"s": replace(STREAMED, steps=30)},
-        {"motion": replace(MOTION, torque=1.01 * MOTION.torque)},
-        {"motion": replace(MOTION, model=1.01 * MOTION.model)},
-        {"data": replace(DATA, prior="uniform")},
-        {"network": replace(literal.SMALL, maps=3)},
-    ]
+    changes = [{}, {"data": replace(DATA, prior="uniform")}, {"network": replace(literal.SMALL, maps=3)}]
+    changes += [{"s": other} for other in (OTHER, PAPER, BFLOAT16, replace(STREAMED, steps=30))]
+    changes += [{"motion": replace(MOTION, **{name: 1.01 * getattr(MOTION, name)})} for name in ("torque", "model")]
     assert len({fingerprint(**(usual | change)) for change in changes}) == len(changes)
 
 
