@@ -97,9 +97,8 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
 def test_a_table_that_is_no_motion_is_refused(tmp_path, text, expected):
     path = tmp_path / "wave.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match=expected) as caught:
+    with pytest.raises(InputError, match=rf"\A.*{expected}.*\Z"):
         program_of({"board": {"speed_limit_rad_s": 8.0}}, str(path))
-    assert "\n" not in str(caught.value)
 
 
 def test_decode_summarises_and_writes_a_table(stored, capsys):
@@ -132,8 +131,7 @@ def test_nothing_is_overwritten(stored, refused):
     nowhere = table.with_name("link.csv")
     nowhere.symlink_to("gone.csv")
     assert "link.csv: found a file" in refused("decode", stored, "-o", nowhere)
-    record = ("record", "--port", "/nowhere", "--trajectory", "T4", "--out", stored)
-    assert "T4.bin: found a file" in refused(*record)
+    assert "T4.bin: found a file" in refused("record", "--port", "/nowhere", "--trajectory", "T4", "--out", stored)
     assert "T4.bin: found a file of the capture" in refused("decode", stored, "-o", stored, "--overwrite")
     assert stored.read_bytes() == before
     assert main(["decode", str(stored), "-o", str(table), "--overwrite"]) == 0

@@ -36,11 +36,9 @@ CAPTURE = ROOT / "data" / "captures" / "T4.bin"
 )
 def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys, argv, words):
     monkeypatch.setattr("repro.fpga.server.serve", None)  # a board that is served has no end
-    try:
-        code = main(argv)
-    except SystemExit as stop:
-        code = stop.code
-    assert code == 2
+    with pytest.raises(SystemExit) as stop:
+        sys.exit(main(argv))
+    assert stop.value.code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert words in line
 

@@ -14,31 +14,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from log_example import BETA, Recording, columns, motion, recording, text
+from log_example import BETA, motion
+from ownarm_problem import FILES, write_log
 
 from repro.cli import main
 from repro.cnn import architecture
 from repro.identification.algorithm1 import own_network as algorithm1
 from repro.identification.algorithm1.search import SearchSettings
-from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("no_figures")]
 
 ROOT = Path(__file__).resolve().parents[2]
 CAPTURES = ROOT / "data" / "captures"
-WRITTEN = {
-    *("parameters.json", "parameters.csv", "scores.csv", "residuals.csv", "report.html", "methods.bib"),
-    *("arm.urdf", "arm.xml", "provenance.json"),
-}
 
 
 @pytest.fixture
 def log(tmp_path):
     """A good log as a file."""
-    path = tmp_path / "log.csv"
-    path.write_text(text(columns(recording())))
-    return path
+    return write_log(tmp_path / "log.csv")
 
 
 def identify(*arguments):
@@ -70,8 +64,7 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
     before = own.read_bytes()
     given = [own] if role == "log" else [log, role, own]
     assert identify(*given, "--method", "ordinary", "-o", out, "--overwrite") == 2
-    last = capsys.readouterr().err.strip().splitlines()[-1]
-    assert f"{own}: found an input of this command, expected" in last
+    assert f"{own}: found an input of this command, expected" in capsys.readouterr().err.splitlines()[-1]
     assert [path.name for path in out.iterdir()] == [name]
     assert own.read_bytes() == before
 
@@ -79,7 +72,7 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
 def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     out = tmp_path / "out"
     assert identify(log, "--method", "ordinary", "--method", "consistent", "--self-test", "-o", out) == 0
-    assert {path.name for path in out.iterdir()} == WRITTEN
+    assert sorted(path.name for path in out.iterdir()) == FILES
     for method in ("ordinary", "consistent"):
         assert found(out, method) == pytest.approx(BETA, rel=0.02)
     told = capsys.readouterr().out
@@ -92,10 +85,7 @@ def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
 
 
 def test_no_links_are_exported_from_a_parameter_that_the_motion_does_not_excite(tmp_path):
-    t = np.arange(0.0, 10.0, 0.005)
-    stretched = [x * np.array([[1.0], [0.0]]) for x in motion(t)]
-    log = tmp_path / "log.csv"
-    log.write_text(text(columns(Recording(t, *stretched[:2], inverse_dynamics(*stretched, BETA)))))
+    log = write_log(tmp_path / "log.csv", lambda t: motion(t) * np.array([[1.0], [0.0]]), seconds=10.0)
     assert identify(log, "--method", "weighted", "-o", tmp_path / "out") == 0
     assert not (tmp_path / "out" / "arm.urdf").exists()
     reason = (tmp_path / "out" / "no-links.txt").read_text()
@@ -153,8 +143,7 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path):
     out = tmp_path / "out"
     try:
         port = board.stdout.readline().strip()
-        config = ROOT / "config" / "config.yaml"
-        assert identify(port, "--config", config, "--method", "ordinary", "-o", out) == 0
+        assert identify(port, "--config", ROOT / "config/config.yaml", "--method", "ordinary", "-o", out) == 0
     finally:
         board.send_signal(signal.SIGTERM)
         board.communicate(timeout=10)
