@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from experiment_example import refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.fft import dct, idct
@@ -11,6 +12,7 @@ from strategies import seeds
 
 from repro.errors import InputError
 from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynamics
+from repro.signals import validation_motions
 from repro.signals.programs import (
     ReferenceTrajectory,
     TrajectorySettings,
@@ -21,13 +23,6 @@ from repro.signals.programs import (
     reference_trajectory,
 )
 from repro.signals.trajectories import identification_trajectory, quintic, random_trajectory
-from repro.signals.validation_motions import (
-    circle_motion,
-    profile_motion,
-    random_motion,
-    sinusoidal_motion,
-    start_and_end_window,
-)
 
 H = 2.5e-3
 ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
@@ -43,10 +38,10 @@ def rng(seed=1):
 
 
 MOTIONS = {
-    "T1": random_motion(rng(), 12.0, 1.2, "motion", 8192, H),
-    "T2": circle_motion(GEOMETRY, 8192, H),
-    "T3": profile_motion(8192, H),
-    "T4": sinusoidal_motion(8192, H),
+    "T1": validation_motions.random_motion(rng(), 12.0, 1.2, "motion", 8192, H),
+    "T2": validation_motions.circle_motion(GEOMETRY, 8192, H),
+    "T3": validation_motions.profile_motion(8192, H),
+    "T4": validation_motions.sinusoidal_motion(8192, H),
 }
 
 
@@ -79,16 +74,17 @@ def test_motions_last_the_whole_memory_from_rest_to_rest_with_derivatives_that_b
 
 @pytest.mark.parametrize(("bands", "limit"), [(5.0, 1.2), (12.0, 1.2), (12.0, 0.3), (100.0, 1.2)])
 def test_random_motion_of_a_range_reaches_it_before_the_window(bands, limit):
-    motion = random_motion(rng(5), bands, limit, "motion", 8192, H)
+    motion = validation_motions.random_motion(rng(5), bands, limit, "motion", 8192, H)
     gains = np.exp(-((np.arange(8192.0) / bands) ** 2))  # Eq. 14 at each band of the DCT-II
     filtered = idct(dct(rng(5).uniform(-1.2, 1.2, (2, 8192)), norm="ortho") * gains, norm="ortho")
     scaled = limit * filtered / np.abs(filtered).max(axis=1, keepdims=True)
-    np.testing.assert_allclose(motion.q, scaled * start_and_end_window(motion.time), rtol=0, atol=1e-12)
+    window = validation_motions.start_and_end_window(motion.time)
+    np.testing.assert_allclose(motion.q, scaled * window, rtol=0, atol=1e-12)
 
 
 def test_circle_is_a_tenth_of_the_reach():
     motion = MOTIONS["T2"]
-    full = np.abs(start_and_end_window(motion.time) - 1.0) < 1e-6
+    full = np.abs(validation_motions.start_and_end_window(motion.time) - 1.0) < 1e-6
     assert full.sum() > 1000
     tip = forward_kinematics(motion.q[:, full], GEOMETRY)[1]
     np.testing.assert_allclose(np.hypot(tip[0], tip[1] + 0.252), 0.0315, rtol=0, atol=1e-6)
@@ -182,9 +178,8 @@ def test_torque_limit_of_each_joint(joint):
     p = reference_trajectory("T4", SETTINGS, rng())
     enough, low = 1.01 * peaks(p, ARM)[1], 0.99 * peaks(p, ARM)[1]
     check_limits(p, ARM, (tuple(enough), SPEED_LIMIT))
-    with pytest.raises(InputError, match=f"trajectory T4: joint {joint + 1} torque: found .* N m, expected") as caught:
-        check_limits(p, ARM, (tuple(np.where(np.arange(2) == joint, low, enough)), SPEED_LIMIT))
-    assert "\n" not in str(caught.value)
+    line = refused(check_limits, p, ARM, (tuple(np.where(np.arange(2) == joint, low, enough)), SPEED_LIMIT))
+    assert line.startswith(f"trajectory T4: joint {joint + 1} torque: found ") and " N m, expected" in line
 
 
 @pytest.mark.parametrize(("duration", "h", "margin"), [(3.0 * np.pi, H, 0), (20.48, H, 40), (5.0, 1e-3, 25)])
@@ -206,7 +201,6 @@ def test_identification_trajectory_and_its_derivatives_are_eq10(duration, h, mar
 def test_random_trajectory_stays_in_its_range_around_the_middle(seed):
     # The Gaussian low-pass averages with positive weights, so it cannot leave the range of the numbers.
     motion = random_trajectory(rng(seed), 5.0, H, 1e-3, "rad_per_s")
-    assert motion.q.min() >= 0.0
-    assert motion.q.max() <= 1.0
+    assert 0.0 <= motion.q.min() <= motion.q.max() <= 1.0
     # Mean of 2000 uniform numbers: six standard errors.
     assert (abs(motion.q.mean(-1) - 0.5) < 6.0 / np.sqrt(12.0 * 2000)).all()
