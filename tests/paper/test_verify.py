@@ -179,9 +179,11 @@ def test_a_claim_that_fails_under_an_overlay_ends_a_run_only_if_enforced(project
     shutil.copytree("results", "other", ignore=shutil.ignore_patterns("config.yaml"))
     config = load_config(Path("config/config.yaml"), overlay)
     sources = ["data/captures/SHA256SUMS", "other/model/training.csv", "other/tables/table10.csv"]
-    write_ledger(Path("other"), config, [Path(name) for name in sources])
-    folders, listed = read_sources(Path("other/claims.sha256"))
-    assert folders == ["data/captures"]
+    for source, read in (("simulated", []), ("stored", ["data/captures"])):
+        experiment = {**config["experiment"], "source": source}
+        write_ledger(Path("other"), {**config, "experiment": experiment}, [Path(name) for name in sources])
+        folders, listed = read_sources(Path("other/claims.sha256"))
+        assert folders == read
     captures = [f"data/captures/{name}" for name in ("ID.bin", "ID.json")]
     assert set(listed) == {*sources, *captures, "other/claims.csv", "other/claims.md", PUBLISHED_NAME}
 

@@ -74,6 +74,8 @@ def test_a_reading_is_trained_and_scored(name, tmp_path):
     regressions = [one.regression(signal_settings(CONFIG)) for one in read_recordings(captures, CONFIG)[1:]]
     totals = [metr2ev(r.tau, rebuild_torque(r.y, true_parameters(CONFIG))).total for r in regressions]
     assert result["arm_true"] == pytest.approx(np.mean(totals))
+    without = run_variant(name, weights, captures[:4], TINY)  # T2 to T4
+    assert [key for key in HEADLINES if without[key] == result[key]] == ["id_mean", "validation_mean", "arm_id"]
 
 
 def test_the_table_has_each_readings_last_held_out_loss():

@@ -166,6 +166,18 @@ def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(folder, answ
     assert not (folder / ".venv").exists()
 
 
+@needs_make
+def test_a_lock_that_cannot_be_installed_ends_the_set_up(folder):
+    interpreter = folder / "python"
+    pip = "#!/bin/sh\\necho a wrong hash\\nexit 1\\n"
+    made = f"mkdir -p .venv/bin; printf '{pip}' > .venv/bin/python; chmod +x .venv/bin/python"
+    interpreter.write_text(f'#!/bin/sh\n[ "$2" != venv ] || {{ {made}; }}\n', encoding="utf-8")
+    interpreter.chmod(0o755)
+    run = subprocess.run(["make", "setup", f"PYTHON={interpreter}"], cwd=folder, capture_output=True, check=False)
+    assert run.returncode != 0
+    assert run.stderr.startswith(b"a wrong hash\nmake") and run.stdout.count(b"\n") == 1
+
+
 def test_the_container_runs_the_first_command_of_the_readme():
     (target,) = re.findall(r"^make (\w+)", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)[:1]
     lines = (ROOT / "Containerfile").read_text(encoding="utf-8").splitlines()

@@ -76,3 +76,11 @@ def test_samples_are_judged_as_their_distribution(tmp_path):
     below = [claim[name] for name in RANKS]
     np.testing.assert_allclose(below, stats.norm.cdf(np.linspace(-2, 2, N)), atol=0.02)
     assert np.isnan([*judge(Reading("x", truth), truth, 1.0, rng).values()]).all()
+
+
+def test_shares_of_a_claim_do_not_depend_on_the_unit(tmp_path):
+    judge = readers(tmp_path, np.eye(200), np.full(N, 0.8), np.eye(N)).judge
+    truth, samples = np.linspace(0.1, 1.7, N), np.random.default_rng(8).normal(0.9, 0.5, (500, N))
+    claims = [Reading("x", unit * samples.mean(0), samples=unit * samples) for unit in (1.0, 3.5)]
+    one, other = (judge(c, u * truth, u, np.random.default_rng(2)) for c, u in zip(claims, (1.0, 3.5), strict=True))
+    assert one == pytest.approx(other) and 0.1 < one["nearer"] < 0.9
