@@ -2,15 +2,15 @@
 
 import os
 import time
+from pathlib import Path
 
 import pytest
+from experiment_example import refused
 
 from repro.documents import DEEPEST, LARGEST_JSON, LARGEST_YAML, read_bytes, read_json, read_yaml
-from repro.errors import InputError
 
-BOMB = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
-    f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, 10)
-)
+BOMB = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n"
+BOMB += "".join(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, 10))
 
 #: Text, place in the file, what was found.
 YAML = {
@@ -49,11 +49,8 @@ JSON = {
 
 def refusal(read, path):
     began = time.process_time()
-    with pytest.raises(InputError) as caught:
-        read(path)
+    message = refused(read, path)
     assert time.process_time() - began < 5.0
-    message = str(caught.value)
-    assert "\n" not in message
     assert message.startswith(str(path))
     assert len(message) < 600
     place, _, rest = message.removeprefix(str(path)).partition("found ")
@@ -97,5 +94,4 @@ def test_a_pipe_a_device_and_a_folder_are_refused_at_once(tmp_path):
     for path in (pipe, tmp_path):
         for read in (read_json, lambda p: read_yaml(p, "an arm file"), lambda p: read_bytes(p, 10, "a file")):
             refusal(read, path)
-    with pytest.raises(InputError, match="/dev/zero: found a pipe or a device"):
-        read_bytes(type(tmp_path)("/dev/zero"), 10, "a file")
+    assert refused(read_bytes, Path("/dev/zero"), 10, "a file").startswith("/dev/zero: found a pipe or a device")

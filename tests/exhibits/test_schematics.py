@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from exhibit_examples import FRAMES, drawn, made, refused
+from exhibit_examples import FRAMES, drawn, made
+from experiment_example import refused
 
 from repro.exhibits.schematics import Box, layout_of, words
 
@@ -87,7 +88,7 @@ def test_method_runs_through_its_nine_steps_and_back() -> None:
 def test_a_label_too_long_for_its_box_is_refused(tmp_path: Path) -> None:
     frame = FRAMES["fig02"]()
     frame.loc[9, "label"] = "word " * 40
-    assert "lines of words" in refused(drawn, tmp_path, "fig02", frame)
+    assert re.search(r"fig02\.csv.*lines of words", refused(drawn, tmp_path, "fig02", frame))
 
 
 def test_answers_follow_the_sentences_of_section_i_a() -> None:
