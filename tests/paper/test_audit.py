@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from claims_example import printed_as
+from literal import ARMS
 
 from repro.files import read_rows
 from repro.paper import audit as audit_module
@@ -12,13 +13,8 @@ from repro.paper.audit import CHECKS, audit, findings
 from repro.paper.finding import FINDINGS_FILE, VERDICTS, Check, read_checks
 from repro.paper.published import load_published
 
-# Tables 4 and 5, I1 I2 I3 g1 g2 of the true sets and I1 I2 I3 of the estimates, typed again.
-TRUE = {
-    "N1": (0.6590, 0.4156, 0.5578, 0.9296, 0.1349),
-    "N2": (0.6259, 0.4901, 0.8725, 0.5148, 0.7013),
-    "N3": (0.5020, 0.9779, 0.5040, 0.4777, 0.5724),
-    "N4": (0.6944, 0.5271, 0.3408, 0.3536, 0.8523),
-}
+PUBLISHED = load_published()
+# Tables 4 and 5: I1 I2 I3 of the estimates, typed again as the true sets in ARMS are.
 ESTIMATE = {
     "N1": (0.7389, 0.2872, 0.5274),
     "N2": (0.4084, 0.5188, 0.8712),
@@ -29,13 +25,8 @@ IMPOSSIBLE = {("N2", "true"), ("N3", "true"), ("N2", "algorithm1"), ("N3", "algo
 
 
 @pytest.fixture(scope="module")
-def published():
-    return load_published()
-
-
-@pytest.fixture(scope="module")
-def before(published):
-    return findings(published)
+def before():
+    return findings(PUBLISHED)
 
 
 @pytest.fixture(scope="module")
@@ -43,12 +34,12 @@ def table():
     return audit().set_index("id")
 
 
-def test_table_is_tidy_and_each_check_has_a_row(table, published):
+def test_table_is_tidy_and_each_check_has_a_row(table):
     assert table.index.is_unique and len(table) > 60
-    assert set(CHECKS) <= {check.id for check in read_checks(published)}
+    assert set(CHECKS) <= {check.id for check in read_checks(PUBLISHED)}
     assert set(table["verdict"]) == set(VERDICTS)
     assert (table[["place", "what", "arithmetic"]].map(len) > 0).all(axis=None)
-    assert {i for row in table["numbers"] for i in row.split()} <= {v.id for v in published}
+    assert {i for row in table["numbers"] for i in row.split()} <= {v.id for v in PUBLISHED}
     text = " ".join(table[["what", "arithmetic", "note"]].to_numpy().ravel())
     assert text.isascii() and "nan" not in text.split()
 
@@ -118,10 +109,10 @@ def test_numbers_recomputed(table, id_, found, printed):
     assert table.loc[id_, "printed"] == pytest.approx(printed, rel=1e-9)
 
 
-@pytest.mark.parametrize("case", TRUE)
+@pytest.mark.parametrize("case", ARMS)
 @pytest.mark.parametrize("method", ["true", "algorithm1"])
 def test_inertia_matrices_by_their_eigenvalues(table, case, method):
-    i1, i2, i3 = (TRUE if method == "true" else ESTIMATE)[case][:3]
+    i1, i2, i3 = (ARMS if method == "true" else ESTIMATE)[case][:3]
     c = np.cos(np.linspace(-np.pi, np.pi, 721))
     m = np.moveaxis(np.array([[i1 + i2 * c, i3 + i2 * c / 2], [i3 + i2 * c / 2, i3 + 0 * c]]), -1, 0)
     row = table.loc[f"definite/{case}/{method}"]
@@ -140,7 +131,7 @@ def test_no_links_of_the_published_ranges_reach_the_arms(table):
     for name, values in drawn.items():
         limit = table.loc[f"range/{name}", "found"]
         assert 0.8 * limit < values.max() < limit
-    assert drawn["I2"].max() < min(v[1] for v in TRUE.values())
+    assert drawn["I2"].max() < min(beta[1] for beta in ARMS.values())
     outside = {id_.split("/")[1] for id_ in table.index[table["verdict"] == "outside its own range"]}
     assert outside == {"I2", "I1-I3", "l1", "reach"}
 
@@ -192,14 +183,14 @@ def test_a_changed_number_changes_the_finding(before, numbers, id_, field, expec
 
 
 @pytest.mark.slow
-def test_no_number_that_a_finding_names_is_idle(published, monkeypatch):
+def test_no_number_that_a_finding_names_is_idle(monkeypatch):
     named, borne = set(), set()
     for row in read_rows(FINDINGS_FILE):
         monkeypatch.setattr(audit_module, "read_checks", lambda numbers, row=row: [Check(row, numbers)])
-        own = findings(published)
+        own = findings(PUBLISHED)
         named |= {i for f in own for i in f.numbers}
         for id_ in {i for f in own for i in f.numbers} - borne:
-            value = published[id_].value
+            value = PUBLISHED[id_].value
             # Down or up: a count of cases may bear one of them.
             ways = (f"{0.5 * value:.6g}", f"{2.0 * value:.6g}") if value else ("1",)
             if any(findings(printed_as({id_: way})) != own for way in ways):

@@ -1,5 +1,6 @@
 """The numeric experiment: a network that reads images perfectly finds the arms."""
 
+import literal
 import numpy as np
 import torch
 from experiment_example import full_config
@@ -13,10 +14,7 @@ from repro.settings import signal_settings
 from repro.signals.dct import image_regressor
 from repro.signals.trajectories import identification_trajectory
 
-ARMS = {
-    "N1": np.array([0.6590, 0.4156, 0.5578, 0.9296, 0.1349, 0.3850, 0.4875, 0.1472, 0.1044]),
-    "N4": np.array([0.6944, 0.5271, 0.3408, 0.3536, 0.8523, 0.5325, 0.4714, 0.1361, 0.2451]),
-}
+ARMS = {name: literal.ARMS[name] for name in ("N1", "N4")}
 CONFIG = full_config()
 CONFIG["numeric"] |= {"arms": {name: beta.tolist() for name, beta in ARMS.items()}, "validation_samples": 3770}
 SIGNALS = signal_settings(CONFIG)
