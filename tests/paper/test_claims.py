@@ -12,20 +12,9 @@ from hypothesis import strategies as st
 
 from repro.config import load_config
 from repro.errors import InputError
+from repro.paper import claims as claims_module
 from repro.paper.audit import findings
-from repro.paper.claims import (
-    Basis,
-    OurValue,
-    broken,
-    causes,
-    higher,
-    judge,
-    judge_all,
-    lower,
-    markdown,
-    specificity,
-    summary,
-)
+from repro.paper.claims import Basis, OurValue, broken, causes, higher, judge, judge_all, lower, specificity
 from repro.paper.ledger import ASSERTED, compute, refuted_number
 from repro.paper.our_values import FILES, Results, values_of
 from repro.paper.published import PublishedValue, load_published
@@ -42,8 +31,6 @@ def ours(value, spread=0.0, seeds=1, basis=Basis.NUMERIC, **more):
 #: Five seeds: another run lies within 2.776 x sqrt(1.2) = 3.0414 standard deviations.
 FIVE = 3.0414
 HALF, SHARE = {"equivalent": 0.5, "cap": 1.0}, {"equivalent": 0.05 * 0.4, "cap": 0.25 * 0.4}
-
-
 PUBLISHED, SETTINGS = load_published(), load_config(CONFIG)
 
 
@@ -135,30 +122,21 @@ def test_the_ledger_takes_the_other_cases_from_the_published_numbers():
     sides = {number.id: ours(float(number.printed) + 0.1, **HALF) for number in numbers}
     rows = judge_all(numbers, sides)
     assert rows["verdict"].tolist() == ["inconclusive", "inconclusive", "reproduced"]
-    assert specificity(rows, numbers).to_dict("records") == [
-        {"basis": "numeric", "what": "similarities", "rows": 1, "pairs": 2, "refused": 2}
-    ]
-    wrong = rows.assign(
-        verdict="reproduced"
-    )  # a ledger that calls everything reproduced: N1 and N2 pass for each other
-    assert specificity(wrong, numbers).to_dict("records")[0] == {
-        "basis": "numeric", "what": "similarities", "rows": 3, "pairs": 6, "refused": 4
-    }  # fmt: skip
+    counts = {"basis": "numeric", "what": "similarities", "rows": 1, "pairs": 2, "refused": 2}
+    assert specificity(rows, numbers).to_dict("records") == [counts]
+    # A ledger that calls everything reproduced: N1 and N2 pass for each other.
+    wrong = rows.assign(verdict="reproduced")
+    assert specificity(wrong, numbers).to_dict("records") == [counts | {"rows": 3, "pairs": 6, "refused": 4}]
 
 
-@given(
-    published=st.floats(-1e6, 1e6).map(lambda x: f"{x:.4f}"),
-    value=st.floats(-1e6, 1e6),
-    spread=st.just(0.0) | st.floats(0.001, 10),
-)
+@given(st.floats(-1e6, 1e6).map("{:.4f}".format), st.floats(-1e6, 1e6), st.just(0.0) | st.floats(0.001, 10))
 def test_a_row_adds_up(published, value, spread):
     row = judge(printed(published), ours(value, spread, 5, cause="another network"))
     assert row["published"] == published
     assert row["difference"] == pytest.approx(value - float(published), abs=1e-9)
     assert row["tolerance"] == pytest.approx(5e-5 + FIVE * spread, rel=1e-4)
     assert row["tolerance_from"] == ("95 % prediction interval" if spread else "print precision")
-    clear = abs(abs(row["difference"]) - row["tolerance"]) > 1e-2
-    if clear:
+    if abs(abs(row["difference"]) - row["tolerance"]) > 1e-2:  # clear of the edge
         assert (row["verdict"] == "reproduced") == (abs(row["difference"]) < row["tolerance"])
         assert (row["cause"] == "another network") == (row["verdict"] == "differs")
 
@@ -235,13 +213,10 @@ def altered(stored):
     for table, case, factor in (("table04", "N1", 1.05), ("table05", "N3", 0.8)):
         estimate = factor * SETTINGS["numeric"]["arms"][case][0]
         alter(results, f"tables/{table}.csv", "estimate", estimate, case=case, parameter="I1")
-    for method, parameter, value in (
-        ("algorithm1", "I3", 0.61),
-        ("least-squares", "I2", 1.6),
-        ("algorithm1", "k1", 0.064),
-        ("least-squares", "b1", -0.04),
-    ):
-        alter(results, "tables/table09.csv", "estimate", value, method=method, parameter=parameter)
+    alter(results, "tables/table09.csv", "estimate", 0.61, method="algorithm1", parameter="I3")
+    alter(results, "tables/table09.csv", "estimate", 1.6, method="least-squares", parameter="I2")
+    alter(results, "tables/table09.csv", "estimate", 0.064, method="algorithm1", parameter="k1")
+    alter(results, "tables/table09.csv", "estimate", -0.04, method="least-squares", parameter="b1")
     return ledger(results)
 
 
@@ -250,8 +225,7 @@ def test_statements_about_all_cases_use_the_worst_the_best_or_the_mean(altered):
     assert altered.loc["section7/experimental/total", "ours"] == pytest.approx(98.5)
     assert altered.loc["abstract/experimental/total", ["ours", "verdict"]].tolist() == [pytest.approx(60.0), "differs"]
     for name in ("abstract/numeric/total", "section6/numeric/total"):
-        row = altered.loc[name, ["ours", "verdict", "basis"]]
-        assert row.tolist() == [pytest.approx(94.0), "differs", "numeric"]
+        assert altered.loc[name, ["ours", "verdict", "basis"]].tolist() == [pytest.approx(94.0), "differs", "numeric"]
     assert set(broken(altered.reset_index())["id"]) == set(ASSERTED)
 
 
@@ -287,9 +261,9 @@ def test_claims_that_do_not_hold_are_named(failing, claims):
     assert failing.loc[CENTRAL, ["ours", "verdict"]].tolist() == [pytest.approx(1.01), "reproduced"]
     rows = failing.reset_index()
     assert set(broken(rows)["id"]) == {CENTRAL, "section5a/loss"}
-    lines = [line for line in summary(rows) if line.startswith("not as asserted: section5a/loss")]
+    lines = [line for line in claims_module.summary(rows) if line.startswith("not as asserted: section5a/loss")]
     assert len(lines) == 1 and all(part in lines[0] for part in ("differs", "reproduced", "1e-3", "0.00101"))
-    page = markdown(rows, specificity(rows, PUBLISHED))
+    page = claims_module.markdown(rows, specificity(rows, PUBLISHED))
     assert "| section5a/loss |" in page.split("## What differs")[0]
 
 

@@ -1,36 +1,21 @@
 """The search for the formulas of Algorithm 2 and the motion of Table 7, and checks of the published similarities."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import yaml
 from claims_example import printed_as
+from experiment_example import full_config
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import distance
 
+from repro.paper import metric_search
 from repro.paper.metric_candidates import CANDIDATES, Pair
-from repro.paper.metric_search import (
-    CHOSEN,
-    CHOSEN_MOTION,
-    MOTIONS,
-    SAMPLING_PERIOD,
-    RandomMotion,
-    Scores,
-    abstract_check,
-    band_number_motion,
-    rank_candidates,
-    score_candidates,
-    score_motions,
-    torque_bounds,
-)
+from repro.paper.metric_search import CHOSEN, CHOSEN_MOTION, MOTIONS, SAMPLING_PERIOD, RandomMotion, band_number_motion
 from repro.paper.published import load_published
 from repro.signals.dct import dct2low, spectrum
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import identification_trajectory
 
-CONFIG = yaml.safe_load((Path(__file__).resolve().parents[2] / "config" / "config.yaml").read_text(encoding="utf-8"))
 PUBLISHED = load_published()
 
 
@@ -101,8 +86,8 @@ def test_chosen_frequency_formula_is_a_function_of_the_cosine_of_the_signals(see
 
 
 def test_chosen_candidates_are_the_project_metric():
-    scores = score_candidates(identification_trajectory(), PUBLISHED)
-    cells = abstract_check(PUBLISHED)
+    scores = metric_search.score_candidates(identification_trajectory(), PUBLISHED)
+    cells = metric_search.abstract_check(PUBLISHED)
     for factor, name in CHOSEN.items():
         (k,) = [i for i, c in enumerate(CANDIDATES) if (c.factor, c.name) == (factor, name)]
         np.testing.assert_allclose(scores[k].ravel(), cells[factor], rtol=1e-12)
@@ -111,7 +96,8 @@ def test_chosen_candidates_are_the_project_metric():
 @pytest.mark.parametrize("right", [RandomMotion(3770, 10.0), band_number_motion(2000)], ids=["bandwidth", "length"])
 def test_search_recovers_the_formulas_and_the_motion_that_made_a_table(right):
     wanted = {"time": "rms by range", "frequency": "absolute | 1-norm | 1-norm"}
-    scores = score_candidates(right.draw(np.random.default_rng([6, 0])), PUBLISHED)  # the first trajectory of seed 6
+    motion = right.draw(np.random.default_rng([6, 0]))  # the first trajectory of seed 6
+    scores = metric_search.score_candidates(motion, PUBLISHED)
     made = {
         f"table07/N{arm + 1}/{c.factor}/joint{joint + 1}": f"{100 * scores[k, arm, joint]:.2f}"
         for k, c in enumerate(CANDIDATES)
@@ -119,7 +105,8 @@ def test_search_recovers_the_formulas_and_the_motion_that_made_a_table(right):
         for arm, joint in np.ndindex(4, 2)
     }
     motions = (RandomMotion(3770, 5.0), RandomMotion(3770, 10.0), band_number_motion(2000), band_number_motion(3000))
-    table = rank_candidates(score_motions(printed_as(made), seed=6, repeats=1, motions=motions))
+    scored = metric_search.score_motions(printed_as(made), seed=6, repeats=1, motions=motions)
+    table = metric_search.rank_candidates(scored)
     best = table[table["rank"] == 1].set_index("factor")
     assert best["candidate"].to_dict() == wanted
     assert (best[["samples", "bandwidth"]] == [right.samples, right.bandwidth]).all(axis=None)
@@ -144,7 +131,8 @@ def test_the_band_number_motion_counts_omega_in_bands():
 
 
 def test_the_chosen_motion_is_that_of_the_configuration():
-    numeric, signals = CONFIG["numeric"], CONFIG["signals"]
+    config = full_config()
+    numeric, signals = config["numeric"], config["signals"]
     assert (numeric["validation_frequency_reading"], signals["sampling_period_s"]) == ("index", SAMPLING_PERIOD)
     assert band_number_motion(numeric["validation_samples"], signals["filter_coefficient"]) == CHOSEN_MOTION
     assert CHOSEN_MOTION in MOTIONS
@@ -161,8 +149,8 @@ def test_ranks_without_an_arm_use_the_other_three_and_choose_the_motion_again():
     log_error = np.full((2, len(CANDIDATES), 4, 2), 100.0)  # of all other candidates
     for name, of_motions in errors.items():
         log_error[:, [c.name for c in CANDIDATES].index(name)] = np.array(of_motions)[..., None]
-    scores = Scores(motions, log_error, np.ones((2, 4, 2)), PUBLISHED)
-    table = rank_candidates(scores).set_index("candidate")
+    scores = metric_search.Scores(motions, log_error, np.ones((2, 4, 2)), PUBLISHED)
+    table = metric_search.rank_candidates(scores).set_index("candidate")
     # All arms: rms 1, cosine sqrt((9 + 0.75) / 4) = 1.56, energy 2 at the second motion.
     assert table.loc[["rms", "cosine", "energy"], "rank"].tolist() == [1, 2, 3]
     assert table.loc["energy", ["rms_log_error_best", "bandwidth"]].tolist() == pytest.approx([2.0, 2.0])
@@ -187,6 +175,7 @@ def test_bound_of_the_mean_square_torque_is_valid_and_reached_at_the_best_scale(
         pair = {"time": f"{100 * float(s.time):.6f}", "frequency": f"{100 * float(s.frequency):.6f}"}
         cells = {f"table10/T1/least-squares/{factor}/joint1": value for factor, value in pair.items()}
         other = {"table10/T1/algorithm1/time/joint1": "1.00"}
-        bounds = torque_bounds(printed_as(cells | other)).set_index(["case", "joint"])["largest_mean_square"]
-        assert bounds["T1", 1] >= np.mean(x**2) * (1 - 1e-9)
-        assert not reached or bounds["T1", 1] == pytest.approx(np.mean(x**2), rel=1e-3)
+        bounds = metric_search.torque_bounds(printed_as(cells | other)).set_index(["case", "joint"])
+        largest = bounds.loc[("T1", 1), "largest_mean_square"]
+        assert largest >= np.mean(x**2) * (1 - 1e-9)
+        assert not reached or largest == pytest.approx(np.mean(x**2), rel=1e-3)

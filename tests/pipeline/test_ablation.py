@@ -11,15 +11,9 @@ from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.config import check_config
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
+from repro.pipeline import interpretations
 from repro.pipeline.experiment import read_recordings, true_parameters
-from repro.pipeline.interpretations import (
-    HEADLINES,
-    VARIANTS,
-    ablation_figure,
-    ablation_table,
-    configuration_of,
-    network_files,
-)
+from repro.pipeline.interpretations import HEADLINES, VARIANTS, configuration_of, network_files
 from repro.pipeline.networks import run_variant, train_variant
 from repro.pipeline.stored_networks import configuration_digest
 from repro.settings import of_network, signal_settings
@@ -82,10 +76,10 @@ def test_the_table_has_each_readings_last_held_out_loss():
     numbers = dict.fromkeys(("id_mean", "id_lowest", "validation_mean", *HEADLINES), 0.5)
     rows = [[(1, 0.01, 7.0, 8.0), (k, 0.01, 9.0, k / 10)] for k in range(2, len(VARIANTS) + 2)]
     histories = [pd.DataFrame(row, columns=list(HISTORY_COLUMNS)) for row in rows]
-    table = ablation_table([numbers] * len(VARIANTS), histories)
+    table = interpretations.ablation_table([numbers] * len(VARIANTS), histories)
     assert table["reading"].tolist() == [reading.name for reading in VARIANTS.values()]
     assert table["steps"].tolist() == list(range(2, len(VARIANTS) + 2))
     assert table["held_out_loss"].tolist() == [k / 10 for k in table["steps"]]  # not the loss of the training
-    figure = ablation_figure(table)
+    figure = interpretations.ablation_figure(table)
     assert len(figure) == len(VARIANTS) * len(HEADLINES)
     assert set(figure["quantity"]) == set(HEADLINES)

@@ -13,17 +13,7 @@ from repro.model.parameters import is_positive_definite
 from repro.pipeline import simulated_arms
 from repro.pipeline.experiment import program_from_config, true_parameters
 from repro.pipeline.monte_carlo import chatters
-from repro.pipeline.simulated_arms import (
-    draw_arms,
-    draw_built_arms,
-    is_within_limits,
-    read_spread,
-    simulate_spread,
-    simulate_tracked,
-    spread_arms,
-    tracks,
-    training_motion,
-)
+from repro.pipeline.simulated_arms import read_spread, simulate_spread, simulate_tracked, spread_arms, training_motion
 from repro.settings import of_network
 from repro.signals.programs import peaks
 
@@ -48,7 +38,7 @@ def motions(tmp_path_factory):
 def test_arms_of_both_laws_are_physical_and_the_motors_carry_them():
     full = np.array(CONFIG["board"]["full_torque_nm"])
     correlation = []
-    for draw in (draw_arms, draw_built_arms):
+    for draw in (simulated_arms.draw_arms, simulated_arms.draw_built_arms):
         beta = draw(np.random.default_rng(0), 500, CONFIG)
         assert is_positive_definite(beta).all()
         assert (beta[:, [3, 4]].sum(1) + beta[:, 7] <= 0.8 * full[0]).all()
@@ -67,13 +57,14 @@ def test_an_arm_tracks_if_it_is_near_in_the_trajectory_proper():
     far = int(2.0 * CONFIG["data"]["tracked"]["largest_error_rad"] / RADIANS_PER_COUNT)
     counts[0, 0, : program.n1] += far
     counts[1, 1, program.n2 - 1] -= far
-    assert tracks(CONFIG, counts.astype(np.int16), program).tolist() == [True, False, True]
+    assert simulated_arms.tracks(CONFIG, counts.astype(np.int16), program).tolist() == [True, False, True]
 
 
 def test_a_motion_is_within_the_limits_of_both_joints():
     program, own = program_from_config(CONFIG, "ID"), true_parameters(CONFIG)
     load1, load2 = (own + np.where(np.arange(9) == place, 50.0, 0.0) for place in (7, 8))
-    assert is_within_limits(CONFIG, np.stack([load1, own, load2]), program).tolist() == [False, True, False]
+    within = simulated_arms.is_within_limits(CONFIG, np.stack([load1, own, load2]), program)
+    assert within.tolist() == [False, True, False]
 
 
 def test_no_arm_that_trains_is_one_that_is_tested(motions, monkeypatch):

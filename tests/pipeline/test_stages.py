@@ -8,13 +8,7 @@ import pytest
 from experiment_example import full_config, refused
 
 from repro.files import write_csv, write_json
-from repro.pipeline.identifications import (
-    mean_torque,
-    read_identifications,
-    read_mean_torque,
-    read_scores,
-    score_estimates,
-)
+from repro.pipeline import identifications
 from repro.settings import metric_settings, numeric_arms, signal_settings
 
 CONFIG = full_config()
@@ -24,12 +18,12 @@ SIGNALS, ARMS = signal_settings(CONFIG), numeric_arms(CONFIG)
 @pytest.fixture(scope="module")
 def original(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stages")
-    write_csv(folder / "mean_torque.csv", mean_torque(CONFIG))
+    write_csv(folder / "mean_torque.csv", identifications.mean_torque(CONFIG))
     betas = {name: beta.tolist() for name, beta in ARMS.items()}
     arms = {name: {"true": beta, "methods": {"algorithm1": {"beta": beta}}} for name, beta in betas.items()}
     run = {"seed": 1, "variant": "published", "arms": arms}
     write_json(folder / "numeric-seed1.json", run)
-    write_csv(folder / "numeric.csv", score_estimates([run], CONFIG, metric_settings(CONFIG)))
+    write_csv(folder / "numeric.csv", identifications.score_estimates([run], CONFIG, metric_settings(CONFIG)))
     return folder
 
 
@@ -52,7 +46,7 @@ def set_cell(path, line, column, value):
 def test_a_mean_torque_that_is_not_finite_is_refused_where_it_stands(results, value):
     path = results / "mean_torque.csv"
     set_cell(path, 5, "joint2", value)
-    assert refused(read_mean_torque, path, SIGNALS).startswith(f"{path}: line 5: joint2: ")
+    assert refused(identifications.read_mean_torque, path, SIGNALS).startswith(f"{path}: line 5: joint2: ")
 
 
 @pytest.mark.parametrize("rows", [-1, 1], ids=["one short", "one long"])
@@ -61,7 +55,7 @@ def test_a_mean_torque_of_another_length_is_refused(results, rows):
     lines = path.read_text(encoding="utf-8").splitlines()
     lines = lines[:rows] if rows < 0 else [*lines, lines[-1]]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    message = refused(read_mean_torque, path, SIGNALS)
+    message = refused(identifications.read_mean_torque, path, SIGNALS)
     assert message.startswith(str(path))
     assert "3770" in message
 
@@ -92,7 +86,7 @@ DAMAGED_JSON = {
 def test_a_damaged_identification_is_refused(results, damage):
     path = results / "numeric-seed1.json"
     damage(path)
-    message = refused(read_identifications, [path])
+    message = refused(identifications.read_identifications, [path])
     assert message.startswith(str(path))
     assert ": found " in message and ("no identification" not in message or message.endswith("variant, arms"))
 
@@ -102,4 +96,4 @@ def test_a_damaged_identification_is_refused(results, damage):
 def test_a_score_that_is_no_fraction_of_one_is_refused_where_it_stands(results, column, value):
     path = results / "numeric.csv"
     set_cell(path, 4, column, value)
-    assert refused(read_scores, [path]).startswith(f"{path}: line 4: {column}: ")
+    assert refused(identifications.read_scores, [path]).startswith(f"{path}: line 4: {column}: ")
