@@ -48,9 +48,7 @@ def similarities(cases, methods):
 
 def scores(table):
     """Scores of every seed behind such a table."""
-    frames = [
-        table.assign(seed=seed, time=table["time"] + off, total=table["total"] + off) for seed, off in SEEDS.items()
-    ]
+    frames = [table.assign(seed=k, time=table["time"] + off, total=table["total"] + off) for k, off in SEEDS.items()]
     return pd.concat(frames)[["case", "method", "seed", "joint", "time", "frequency", "total"]]
 
 

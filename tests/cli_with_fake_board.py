@@ -22,9 +22,7 @@ def stub():
     module.board_from_config = lambda config, seed, make: PlayedBoard(FRAMES)
     module.program_from_config = lambda config, name: ReferenceTrajectory(name, DESIRED, 10, 190, 0.0025)
     module.check_program = lambda config, program: None
-    module.metadata_for = lambda program, config: metadata(
-        program.q, motion=program.name, n1=program.n1, n2=program.n2, board=None
-    )
+    module.metadata_for = lambda sent, config: metadata(sent.q, motion=sent.name, n1=sent.n1, n2=sent.n2, board=None)
     return module
 
 

@@ -30,9 +30,8 @@ def motion(samples=200):
 def metadata(desired, **changes):
     """Metadata of a capture of this motion."""
     n = desired.shape[1]
-    return replace(
-        CaptureMetadata("T4", n, 0, n, 0.0025, encode_program(CONTROL, desired), CONTROL, IDENTITY), **changes
-    )
+    unchanged = CaptureMetadata("T4", n, 0, n, 0.0025, encode_program(CONTROL, desired), CONTROL, IDENTITY)
+    return replace(unchanged, **changes)
 
 
 class PlayedBoard:

@@ -31,14 +31,12 @@ def loaded(log):
 
 def problem_of(regression, validation=(), moving=None, estimates_delay=True, **settings):
     """A problem around a regression that no filter made; the arm never stands still unless `moving` says so."""
-    nothing = np.zeros(0)
     moving = regression if moving is None else moving
-    made_up = Cutoff(5.0, "made up", nothing, np.zeros((2, 0)), np.zeros((2, 0)), 10.0)
+    excited = excitation(moving)
+    made_up = Cutoff(5.0, "made up", np.zeros(0), np.zeros((2, 0)), np.zeros((2, 0)), 10.0)
     log = loaded(log_of(recording(np.arange(0.0, 20.0, 0.005))))
     prepared = PreparedLog(log, log.log, regression, FilterSettings(**settings), made_up, delay_error=0.0)
-    return IdentificationProblem(
-        (prepared,), regression, moving, {}, tuple(validation), excitation(moving), estimates_delay
-    )
+    return IdentificationProblem((prepared,), regression, moving, {}, tuple(validation), excited, estimates_delay)
 
 
 def noisy(beta, seed=0, size=0.02, n=1200):
