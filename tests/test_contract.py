@@ -59,9 +59,8 @@ def test_it_is_too_late_once_numpy_is_loaded():
 def probe(code, **environment):
     """Print of a fresh interpreter."""
     variables = {name: value for name, value in os.environ.items() if name not in contract.CONTRACT} | environment
-    return subprocess.run(
-        [sys.executable, "-c", code], env=variables, capture_output=True, text=True, check=True
-    ).stdout
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, env=variables, capture_output=True, text=True, check=True).stdout
 
 
 SOLVE = """

@@ -1,10 +1,9 @@
 """Every key of the configuration arrives where it is meant, and each room reads its own sections only."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yaml
+from experiment_example import full_config
 
 from repro import settings
 from repro.cnn.architecture import PaperSchedule, TrainingSettings
@@ -20,8 +19,7 @@ from repro.signals.programs import TrajectorySettings
 
 pytestmark = pytest.mark.slow
 
-#: The configuration of the project.
-DEFAULT = yaml.safe_load((Path(__file__).resolve().parents[1] / "config" / "config.yaml").read_text(encoding="utf-8"))
+DEFAULT = full_config()
 #: A value of its own for every key that is passed on by its place, and of the networks' changes.
 CONFIG = yaml.safe_load("""
 signals: {sampling_period_s: 0.005, filter_coefficient: 2.0e-4, frequency_reading: index, image_samples: 64,
@@ -53,22 +51,11 @@ def test_data_and_training_of_a_network(network, scale):
     beyond = UnmodelledSettings(stribeck=0.41, ripple=0.09, noise=0.02, delay_s=0.001)
     data = DataSettings("links", guess, ImageSettings(scale, 5.5), "physical", beyond)
     assert settings.data_settings(config) == data
-    schedule = PaperSchedule(
-        images=500, train_share=0.7, learning_rate=0.05, learning_rate_slope=1e-6, gradient_gain=50.0
-    )
     own = {"recipe": "paper", "steps": 202, "batch": 3} if network == "paper-recipe" else {"steps": 101, "batch": 7}
-    expected = TrainingSettings(
-        learning_rate=0.003,
-        warmup=11,
-        seed=9,
-        test_samples=13,
-        log_every=19,
-        checkpoint_every=23,
-        precision="float32",
-        # The streamed networks do not read the paper's schedule, so that changing it does not train them again.
-        paper=schedule if network == "paper-recipe" else PaperSchedule(),
-        **own,
-    )
+    # The streamed networks do not read the paper's schedule, so that changing it does not train them again.
+    own["paper"] = PaperSchedule(500, 0.7, 0.05, 1e-6, 50.0) if network == "paper-recipe" else PaperSchedule()
+    common = {"learning_rate": 0.003, "warmup": 11, "seed": 9, "test_samples": 13, "log_every": 19}
+    expected = TrainingSettings(checkpoint_every=23, precision="float32", **common, **own)
     assert settings.training_settings(config) == expected
 
 

@@ -27,6 +27,13 @@ def report(request):
     return request.getfixturevalue(request.param)
 
 
+def cut_off(page, selector):
+    """Elements that reach beyond the right edge of the window."""
+    beyond = "part.getBoundingClientRect().right > innerWidth + 1"
+    parts = f"[...document.querySelectorAll('{selector}')].filter(part => {beyond})"
+    return page.evaluate(f"{parts}.map(part => part.outerHTML.slice(0, 80))")
+
+
 def test_nothing_is_fetched_and_nothing_is_said_on_the_console(page, report):
     page.evaluate("new Promise(done => setTimeout(done, 300))")
     urls = {request["request"]["url"] for request in page.seen("Network.requestWillBeSent")}
@@ -48,11 +55,7 @@ def test_the_page_does_not_scroll_sideways(page, width):
     page.evaluate("document.querySelectorAll('details').forEach(part => part.open = true)")
     sizes = page.evaluate("[document.documentElement.scrollWidth, document.body.scrollWidth, innerWidth]")
     assert max(sizes[:2]) <= sizes[2] == width
-    outside = page.evaluate(
-        "[...document.querySelectorAll('main *:not(.unseen)')].filter(part => !part.closest('.scroll')"
-        " && part.getBoundingClientRect().right > innerWidth + 1).map(part => part.outerHTML.slice(0, 80))"
-    )
-    assert outside == []
+    assert cut_off(page, "main *:not(.unseen, .scroll, .scroll *)") == []
     wide = page.evaluate(
         "[...document.querySelectorAll('.scroll:has(> table)')].filter(part => part.scrollWidth > part.clientWidth + 1)"
         ".map(part => part.getAttribute('aria-label'))"
@@ -104,14 +107,9 @@ def test_every_picture_is_there_and_nothing_is_cut_off_on_paper(page):
     page.send("Emulation.setEmulatedMedia", media="print")
     page.resize(702)  # A4 less its margins
     try:
-        wide = page.evaluate(
-            "[...document.querySelectorAll('main .scroll > *')]"
-            ".filter(part => part.getBoundingClientRect().right > innerWidth + 1)"
-            ".map(part => part.outerHTML.slice(0, 80))"
-        )
+        assert cut_off(page, "main .scroll > *") == []
     finally:
         page.send("Emulation.setEmulatedMedia", media="")
-    assert wide == []
 
 
 # --- The ledger ---------------------------------------------------------------------------------------------------

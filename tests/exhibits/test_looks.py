@@ -26,7 +26,6 @@ def test_pairs_that_meet_differ_in_greyscale() -> None:
 def test_spectrum_says_what_it_leaves_out() -> None:
     frame = FRAMES["fig14"]()
     left_out = re.search(r"Not shown: ([\d.]+) to ([\d.]+) Hz", made("fig14", frame).get_supxlabel())
-    assert left_out is not None
     assert float(left_out[2]) == pytest.approx(frame["x"].max(), rel=1e-2)
     beyond = frame[frame["x"] > float(left_out[1]) * 1.01]
     largest = frame["y"].abs().groupby(frame["panel"]).max()

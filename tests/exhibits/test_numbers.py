@@ -1,14 +1,13 @@
 """The numbers behind figures and tables: right, and in the form that the drawing asks for."""
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import torch
-import yaml
 from exhibit_examples import EXHIBITS, RECIPES, laid_out
+from experiment_example import ROOT, full_config
 from factorial_example import factorial_references, factorial_scores
 from kept import same
 
@@ -21,8 +20,7 @@ from repro.files import write_csv
 from repro.pipeline.experiment import true_parameters
 from repro.signals.programs import PROGRAMS
 
-ROOT = Path(__file__).resolve().parents[2]
-CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+CONFIG = full_config()
 CONFIG["network"]["hidden"] = [4, 3]
 
 

@@ -35,11 +35,8 @@ def test_every_combination_of_the_factors_has_its_network():
     """Motion of line 18, motions of the training and omega for the image CNN; all but the first for the plain one."""
     readers = [("cnn", "measured"), ("cnn", "desired"), ("plain", "")]
     expected = itertools.product(readers, ("ideal", "tracked"), ("rad_per_s", "index"))
-    assert sorted(expected) == sorted(
-        ((cell.reader, motion), cell.motions, cell.omega)
-        for cell in CELLS.values()
-        for motion in cell.image_motions or ("",)
-    )
+    cells = [(cell, motion) for cell in CELLS.values() for motion in cell.image_motions or ("",)]
+    assert sorted(expected) == sorted(((cell.reader, motion), cell.motions, cell.omega) for cell, motion in cells)
 
 
 @pytest.mark.parametrize("name", CELLS)

@@ -51,16 +51,13 @@ def test_the_reference_was_made_with_these_networks():
     assert weights in (ROOT / "docs/reference/model/model-card.md").read_text()
 
 
-@pytest.mark.parametrize(
-    "config",
-    [
-        changed(CONFIG, training={"seed": 2}),
-        changed(CONFIG, signals={"filter_coefficient": 2e-4}),
-        changed(CONFIG, data={"prior": "uniform"}),
-        changed(CONFIG, image={"scale": "channel-max"}),
-    ],
-)
-def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, config):
+OTHERS = {"training": {"seed": 2}, "signals": {"filter_coefficient": 2e-4}}
+OTHERS |= {"data": {"prior": "uniform"}, "image": {"scale": "channel-max"}}
+
+
+@pytest.mark.parametrize("section", OTHERS)
+def test_a_network_of_another_configuration_is_refused_in_one_line(tmp_path, section):
+    config = changed(CONFIG, **{section: OTHERS[section]})
     assert f"{NETWORKS}/cnn.safetensors: found a network of another" in refused(taken, tmp_path, "published", config)
     assert not list(tmp_path.iterdir())
 

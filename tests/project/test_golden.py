@@ -1,13 +1,12 @@
 """The comparison of the small run with its kept numbers reports what is new, what is gone and what differs."""
 
 import gzip
-import importlib.util
 import json
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-PROGRAM = Path(__file__).resolve().parents[2] / ".ci" / "golden.py"
 #: Lines of a page, lengths or hashes of files, and the rule of an output.
 KEPT = {
     "pages": {"tables/a.md": ["an arm of 12.5 kg", "3 of 7"], "b.md": ["a line"]},
@@ -16,12 +15,10 @@ KEPT = {
 }
 
 
-@pytest.fixture(scope="module")
-def golden():
-    spec = importlib.util.spec_from_file_location("golden", PROGRAM)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+@pytest.fixture
+def golden(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[2] / ".ci")
+    return import_module("golden")
 
 
 def report(golden, monkeypatch, tmp_path, run):

@@ -11,13 +11,8 @@ import yaml
 import repro
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [
-    ROOT / "README.md",
-    ROOT / "CONTRIBUTING.md",
-    ROOT / "benchmarks/README.md",
-    *sorted((ROOT / "docs").glob("*.md")),
-    *sorted((ROOT / "docs/explanation").glob("*.md")),
-]
+PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md")]
+PAGES += [page for folder in ("docs", "docs/explanation") for page in sorted((ROOT / folder).glob("*.md"))]
 
 
 def test_both_citation_files_say_the_same():

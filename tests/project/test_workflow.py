@@ -335,9 +335,8 @@ def test_each_function_is_given_what_it_names(working):
     for rule in called:
         module, _, name = rule.params[0].partition(":")
         parameters = signature(getattr(import_module(module), name)).parameters
-        given = {*rule.wildcard_names, "files", "inputs", "outputs"}.union(
-            rule.input.keys(), rule.output.keys(), rule.params.keys()
-        )
+        given = {*rule.wildcard_names, "files", "inputs", "outputs"}
+        given |= {*rule.input.keys(), *rule.output.keys(), *rule.params.keys()}
         assert {name for name, one in parameters.items() if one.default is one.empty} <= given, rule.name
 
 
@@ -347,9 +346,8 @@ def test_inputs_are_named_as_files(rules):
 
 
 def test_no_script_is_left_over(working):
-    assert {Path(rule.script).name for rule in working} == {
-        script.name for script in (WORKFLOW / "scripts").glob("*.py")
-    }
+    scripts = {script.name for script in (WORKFLOW / "scripts").glob("*.py")}
+    assert {Path(rule.script).name for rule in working} == scripts
 
 
 def test_emulated_hosts_run_tests_that_exist_with_their_variables():
