@@ -141,7 +141,7 @@ def test_streamed_schedule_draws_fresh_samples_at_every_step(monkeypatch):
 
 
 def test_streamed_rate_rises_then_falls_to_zero():
-    history = run(replace(STREAMED, log_every=1, learning_rate=1e-3, steps=20)).history
+    history = run(replace(STREAMED, log_every=1, learning_rate=1e-3, steps=20, warmup=9)).history
     for done, rate in history[:, :2]:
         step = done - 1
         assert rate == pytest.approx(1e-3 * (1.0 - step / 20) * min(1.0, done / 5), rel=1e-12)

@@ -69,6 +69,19 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
     assert own.read_bytes() == before
 
 
+def test_every_option_reaches_the_function(log, tmp_path, monkeypatch):
+    given, arm, prior = {}, tmp_path / "arm.yaml", tmp_path / "prior.json"
+    arm.write_text("gravity: 9.7\n")
+    monkeypatch.setattr("repro.api.identify", lambda sources, **options: given.update(options) or sys.exit(7))
+    options = ["--validate", log, "--arm", arm, "--filter", "butterworth", "--cutoff", 7.5, "--friction", "--seed", 6]
+    options += ["--prior", prior, "--self-test", "--steps", 9, "--cache", tmp_path, "--method", "weighted"]
+    with pytest.raises(SystemExit, match="7"):
+        identify(log, *options, "-o", tmp_path / "out")
+    kept = {"validate": [log], "arm": arm, "filter": "butterworth", "cutoff": 7.5, "friction": True, "seed": 6}
+    kept |= {"prior": prior, "self_test": True, "steps": 9, "cache": tmp_path, "method": ["weighted"]}
+    assert given == kept
+
+
 def test_a_table_gives_back_the_parameters_that_made_it(log, tmp_path, capsys):
     out = tmp_path / "out"
     assert identify(log, "--method", "ordinary", "--method", "consistent", "--self-test", "-o", out) == 0

@@ -108,6 +108,8 @@ def test_page_and_settings_that_are_kept_with_results_are_checked_under_a_new_se
     kept = {"commit": commit, "config_sha256": config_digest(config)}
     write_json("results/factorial.json", kept)
     assert changed_settings(Path("results"), config, project) == []
+    (line,) = changed_settings(Path("results"), {**config, "claims": {}}, project)[:1]
+    assert "claims.enforce: found True, expected nothing" in line
     changes = [
         ("claims.md", "| better |", "| worse |", "found another text"),
         ("config.yaml", "margin_samples: 40", "margin_samples: 41", "numeric.margin_samples"),

@@ -69,6 +69,14 @@ def ids(references):
     return {reference["@id"] for reference in references}
 
 
+def test_a_file_that_the_workflow_no_longer_has_leaves_the_record():
+    write("workflow/rules/old.smk", "")
+    record()
+    Path("workflow/rules/old.smk").unlink()
+    record()
+    assert [path.name for path in (RESULTS / "workflow/rules").iterdir()] == ["x.smk"]
+
+
 def test_every_file_is_there_with_its_hash_and_size():
     found = files(record()[1])
     of_the_run = {"results/logs/provenance.json", "results/workflow/Snakefile", "config/config.yaml"}
