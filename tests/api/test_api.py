@@ -12,6 +12,7 @@ from unittest.mock import Mock
 import numpy as np
 import pandas as pd
 import pytest
+from log_example import log_of, recording
 from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
@@ -219,6 +220,12 @@ def test_networks_are_kept_where_the_user_says(tmp_path, monkeypatch):
     with pytest.raises(repro.InputError, match=r"^cache: "):
         (tmp_path / "cache").write_text("no folder")
         repro.identify(LOG, method="algorithm1", steps=1)
+
+
+def test_a_simulated_log_that_only_validates_marks_the_result():
+    run = recording(np.arange(0.0, 20.0, 0.01))
+    result = repro.identify(log_of(run), validate="data/captures/T1.bin", method="ordinary")
+    assert str(result).startswith("arm (simulated): ")
 
 
 def test_tables_and_drawing_of_a_result(result, tmp_path):

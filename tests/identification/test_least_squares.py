@@ -8,7 +8,7 @@ from regression_example import beta_of, exact, hostile, noisy_problem, random_re
 from scipy.optimize import least_squares
 from strategies import seeds
 
-from repro.identification.least_squares import METHODS, choose_penalty, solve_inequality
+from repro.identification.least_squares import METHODS, choose_penalty, solve_consistent, solve_inequality
 from repro.identification.method import Estimate
 from repro.identification.regression import reduced_problem, solve
 from repro.model.dynamics import mass_matrix
@@ -108,6 +108,16 @@ def test_consistent_is_so_and_meets_the_conditions_of_optimality(seed):
     margin = np.linalg.eigvalsh(x).min()
     assert margin > 1e-6 * np.trace(x)
     assert abs(np.sum(s * (x - margin * np.eye(2)))) < 1e-5 * size**2
+
+
+@pytest.mark.parametrize("low", [0, 1])
+def test_an_eigenvalue_of_half_the_margin_is_lifted_to_it(low):
+    """Inertia [[I1 - I3, 0], [0, I3]], one of them 0.7 kg m^2; the margin is a thousandth of I1 + I3."""
+    values = np.where([low == 0, low == 1], 3.5e-4, 0.7)
+    beta = np.array([values.sum(), 0.0, values[1], 1.0, 2.0, 0.1, 0.1, 0.1, 0.1])
+    found, binding = solve_consistent(np.eye(9), beta, np.ones(9), np.zeros(9))
+    assert binding
+    assert 0.999 < np.linalg.eigvalsh(pseudo_inertia(found)).min() / (1e-3 * (beta[0] + beta[2])) < 1.2
 
 
 @pytest.mark.parametrize("seed", [0, 3, 10, 15, 37, 39])

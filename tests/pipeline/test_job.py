@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from repro.errors import InputError
-from repro.pipeline.job import job, share_lock
+from repro.pipeline.job import ALLOCATOR, job, set_allocator, share_lock
 
 
 @pytest.fixture(autouse=True)
@@ -94,3 +94,9 @@ def test_locks_of_a_run_are_removed_once_it_and_its_jobs_are_dead(tmp_path):
     assert locks.exists()  # a job removes nothing
     share_lock(tmp_path, clear=True).close()
     assert not locks.exists()
+
+
+def test_what_the_user_has_set_of_the_allocator_stays():
+    environment = {"MALLOC_TOP_PAD_": "5"}
+    set_allocator(environment)
+    assert environment == {**ALLOCATOR, "MALLOC_TOP_PAD_": "5"}

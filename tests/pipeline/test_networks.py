@@ -86,8 +86,9 @@ def test_what_does_not_decide_a_network_does_not_refuse_it():
         lambda weights: weights.unlink(),
         lambda weights: shutil.copy(weights.with_name("cnn-tracked.safetensors"), weights),
         lambda weights: weights.write_bytes(weights.read_bytes()[:-1] + b"?"),
+        lambda weights: stored_files(weights.parent, "")["card"].write_text(""),
     ],
-    ids=["missing", "swapped", "a changed byte"],
+    ids=["missing", "swapped", "a changed byte", "an empty card"],
 )
 def test_a_damaged_network_is_refused(tmp_path, damage):
     folder = Path(shutil.copytree(NETWORKS, tmp_path / "networks"))

@@ -207,6 +207,10 @@ def test_a_bad_configuration_ends_the_run_with_one_line(tmp_path):
     overlay.write_text("experiment: {captures: mine}", encoding="utf-8")
     line = refused(folder, "claims", "--configfile", str(overlay))
     assert line.startswith(f"{overlay}: experiment.captures: found ") and "SHA256SUMS" in line
+    (captures / "SHA256SUMS").symlink_to(ROOT / "data/captures/SHA256SUMS")
+    (captures / "T2.json").unlink()
+    line = refused(folder, "claims", "--configfile", str(overlay))
+    assert line.startswith(f"{overlay}: experiment.captures: found ") and "T2.json" in line
     (folder / "data").unlink()
     line = refused(folder, "results/quick/model/training.csv", "--configfile", str(QUICK))
     assert "quick.yaml: training.source: found stored, expected a folder with the stored networks" in line
