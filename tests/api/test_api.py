@@ -241,6 +241,10 @@ def test_tables_and_drawing_of_a_result(result, tmp_path):
     assert "<b>&lt;i&gt;" in named._repr_html_()
     assert "<li>&lt;b&gt;.csv: slow</li>" in named._repr_html_()
     assert str(result.of("bounded")).startswith("arm (simulated): bounded least squares, instead of ordinary least")
+    made = result.details.methods
+    methods = [replace(m, consistent=m.method != "bounded", why_not_consistent="b1 < 0") for m in made]
+    spoilt = replace(result, details=replace(result.details, methods=tuple(methods)))
+    assert not spoilt.of("ordinary").unusable and spoilt.of("bounded").unusable.endswith("b1 < 0")
     for call, place in (
         (lambda: result.of("robust"), "method"),
         (lambda: result.plot(7), "log: found 7"),

@@ -4,7 +4,9 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tomllib
+import warnings
 from pathlib import Path
 
 import pytest
@@ -176,6 +178,27 @@ def test_a_lock_that_cannot_be_installed_ends_the_set_up(folder):
     run = subprocess.run(["make", "setup", f"PYTHON={interpreter}"], cwd=folder, capture_output=True, check=False)
     assert run.returncode != 0
     assert run.stderr.startswith(b"a wrong hash\nmake") and run.stdout.count(b"\n") == 1
+
+
+def test_ci_ends_at_the_first_check_that_fails(tmp_path):
+    programs = tmp_path / "programs"
+    (tmp_path / ".ci").mkdir()
+    programs.mkdir()
+    script = Path(shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci"))
+    for name in ("make", "g++", "chromium", "qemu-x86_64"):
+        (programs / name).write_text('#!/bin/sh\n[ "$1" != test ]\n', encoding="utf-8")
+        (programs / name).chmod(0o755)
+    environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "PYTHON": sys.executable}
+    run = subprocess.run([script], env=environment, capture_output=True, text=True, check=False)
+    assert run.returncode != 0
+    assert run.stdout.splitlines()[-1] == "== checks and tests"
+    # A test that is skipped without a browser is looked for in what pytest names.
+    assert len(re.findall("-m pytest.* tests/browser .*-rs 2>&1", script.read_text(encoding="utf-8"))) == 2
+
+
+def test_a_numerical_warning_of_the_package_is_an_error():
+    with pytest.raises(RuntimeWarning):
+        warnings.warn_explicit("overflow", RuntimeWarning, "dynamics.py", 1, module="repro.model.dynamics")
 
 
 def test_the_container_runs_the_first_command_of_the_readme():
