@@ -195,3 +195,16 @@ def test_a_cable_pulled_out_and_in_again(endpoint):
             assert data == FRAMES[:805]
             line.close()
             until(lambda: not board.running)
+
+
+def test_frames_that_are_sent_without_a_host_are_lost(endpoint):
+    board = PlayedBoard(FRAMES)
+    with served(board, endpoint):
+        with opened(endpoint.port) as line:
+            line.write(encode_start(200))
+            assert line.read(8) == FRAMES[:8]
+        until(lambda: not board.running)
+        time.sleep(0.3)  # the board waits for a host a while before it drops the last frame
+        with until(lambda: try_to_open(endpoint)) as line:
+            line.timeout = 0.3
+            assert line.read(8) == b""

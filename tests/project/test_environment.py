@@ -180,18 +180,25 @@ def test_a_lock_that_cannot_be_installed_ends_the_set_up(folder):
     assert run.stderr.startswith(b"a wrong hash\nmake") and run.stdout.count(b"\n") == 1
 
 
-def test_ci_ends_at_the_first_check_that_fails(tmp_path):
+@pytest.mark.parametrize(
+    ("make", "last"),
+    [
+        ('[ "$1" != test ]', "== checks and tests"),
+        ("true", "error: the second run of the smoke workflow had"),
+    ],
+)
+def test_ci_ends_at_the_first_check_that_fails(tmp_path, make, last):
     programs = tmp_path / "programs"
     (tmp_path / ".ci").mkdir()
     programs.mkdir()
     script = Path(shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci"))
     for name in ("make", "g++", "chromium", "qemu-x86_64"):
-        (programs / name).write_text('#!/bin/sh\n[ "$1" != test ]\n', encoding="utf-8")
+        (programs / name).write_text(f"#!/bin/sh\n{make}\n", encoding="utf-8")
         (programs / name).chmod(0o755)
     environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "PYTHON": sys.executable}
     run = subprocess.run([script], env=environment, capture_output=True, text=True, check=False)
     assert run.returncode != 0
-    assert run.stdout.splitlines()[-1] == "== checks and tests"
+    assert run.stdout.splitlines()[-1].startswith(last)
     # A test that is skipped without a browser is looked for in what pytest names.
     assert len(re.findall("-m pytest.* tests/browser .*-rs 2>&1", script.read_text(encoding="utf-8"))) == 2
 
@@ -206,3 +213,4 @@ def test_the_container_runs_the_first_command_of_the_readme():
     lines = (ROOT / "Containerfile").read_text(encoding="utf-8").splitlines()
     run = [line for line in lines if line.startswith(("ENTRYPOINT", "CMD"))]
     assert run == ['ENTRYPOINT ["make"]', f'CMD ["{target}"]']
+    assert [line for line in lines if line.startswith("USER")][-1:] == ["USER repro"]  # who does not own the system

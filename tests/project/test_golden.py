@@ -4,6 +4,7 @@ import gzip
 import json
 from importlib import import_module
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -58,3 +59,16 @@ def test_a_difference_is_reported(golden, monkeypatch, tmp_path, kind, name, val
     found = report(golden, monkeypatch, tmp_path, {**KEPT, kind: {**KEPT[kind], name: value}})
     assert len(found) == reported
     assert all(name in line for line in found)
+
+
+@pytest.mark.parametrize("changes", [{"b.csv": None}, {"c.csv": "3"}, {"b.csv": "5"}])
+def test_a_continued_run_must_have_the_files_of_an_undisturbed_one(monkeypatch, changes):
+    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[2] / ".ci")
+    killed_run = import_module("killed_run")
+    for name in ("shutil", "run_and_kill", "subprocess"):
+        monkeypatch.setattr(killed_run, name, Mock())
+    undisturbed = {"a.csv": "1", "b.csv": "2"}
+    again = {name: digest for name, digest in {**undisturbed, **changes}.items() if digest}
+    monkeypatch.setattr(killed_run, "digests", Mock(side_effect=[undisturbed, {}, again]))
+    with pytest.raises(SystemExit, match=r"1 files differ: [bc]\.csv"):
+        killed_run.main()
