@@ -258,9 +258,10 @@ def test_tables_and_drawing_of_a_result(result, tmp_path):
 
 
 def test_simulation_agrees_with_an_independent_integrator(result):
-    own, t = result.of("bounded"), np.linspace(0.0, 0.4, 33)
+    own, t, steepness = result.of("bounded"), np.linspace(0.0, 0.4, 33), 4.0
     tau = np.stack([0.6 * np.sin(7.0 * t), 0.2 * np.cos(5.0 * t)])
-    steepness = own.details.preparation.friction_steepness
+    preparation = replace(own.details.preparation, friction_steepness=steepness)
+    own = replace(own, details=replace(own.details, preparation=preparation))
 
     def derivative(at, state):
         torque = np.array([np.interp(at, t, joint) for joint in tau])
@@ -272,6 +273,8 @@ def test_simulation_agrees_with_an_independent_integrator(result):
     q, dq = own.simulate(t, tau, [0.4, -0.3], [0.0, 0.5])
     assert q == pytest.approx(expected[:2], abs=2e-4)
     assert dq == pytest.approx(expected[2:], abs=1e-3)
+    ddq = forward_dynamics(q.T, dq.T, tau.T, own.beta, steepness).T
+    assert own.predict(q, dq, ddq) == pytest.approx(tau)
     for wrong in (t[::-1], np.r_[t[:-1], t[-2]]):
         with pytest.raises(ValueError, match=r"^t: "):
             own.simulate(wrong, tau, [0.0, 0.0], [0.0, 0.0])

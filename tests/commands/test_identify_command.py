@@ -143,6 +143,9 @@ def test_algorithm_1_and_its_refinement_share_one_run(log, tmp_path, small_budge
     for method in both[1::2]:
         assert found(out, method).tolist() == estimates[method].beta.tolist()
     assert found(out, "algorithm1").tolist() != found(out, "algorithm1+refinement").tolist()
+    options = "--seed", 2, "--steps", 2, "--cache", tmp_path / "cache", "--method", "algorithm1"  # other guesses
+    assert identify(log, *options, "-o", tmp_path / "other") == 0
+    assert found(out, "algorithm1").tolist() != found(tmp_path / "other", "algorithm1").tolist()
     content = json.loads((out / "parameters.json").read_text())
     (note,) = next(m["notes"][:1] for m in content["methods"] if m["method"] == "algorithm1+refinement")
     reached = [estimates[f"algorithm1+{name}"].details["similarity"] for name in ("refinement", "local-search")]

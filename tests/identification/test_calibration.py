@@ -16,7 +16,7 @@ from repro.identification.calibration import (
     correct_calibration,
     find_calibration_errors,
 )
-from repro.identification.extra_terms import ExtraTerm, find_terms, subtract_terms
+from repro.identification.extra_terms import ExtraTerm, best_subset, find_terms, subtract_terms
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.regression import drop_standstill, solve
 from repro.model.dynamics import inverse_dynamics
@@ -206,6 +206,18 @@ def test_the_rotor_of_joint_2_is_subtracted_unasked_and_the_delay_does_not_absor
     assert (term.name, term.value) == ("rotor2", pytest.approx(0.4 * BETA[2], rel=0.05))
     assert problem.first.settings.delay == pytest.approx(DELAYED.delay, abs=3e-4)
     assert beta_of("ordinary", problem.moving)[:5] == pytest.approx(BETA[:5], rel=0.01)
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_a_term_is_judged_by_the_errors_of_its_own_joint(joint):
+    """The other joint's errors are fifty times as large as what the tenth column explains of this one's."""
+    rng = np.random.default_rng(3 + joint)
+    a = rng.normal(size=(2, 600, 10))
+    a[1 - joint, :, 9] = 0.0
+    b = a[..., :9] @ BETA + rng.normal(size=(2, 600)) * np.where(np.arange(2) == joint, 0.02, 5.0)[:, None]
+    b[joint] += 0.1 * a[joint, :, 9]
+    assert best_subset(a, b, {0: 0.05}, by_joint=True) == [0]
+    assert best_subset(a, b, {0: 0.05}) == []
 
 
 def test_logs_of_one_arm_have_one_rotor():

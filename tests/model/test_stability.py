@@ -103,6 +103,11 @@ def test_dissipation_is_above_the_coupling_where_r1_is_positive_definite(beta):
     assert ours.conditions["dissipation"] == (ours.r1_min > 0) or abs(ours.dissipation / ours.coupling - 1) < 1e-9
 
 
+def test_the_constants_do_not_depend_on_which_joint_has_less_coulomb_friction():
+    other = ARM[[0, 1, 2, 3, 4, 5, 6, 8, 7]]
+    assert stability_constants(other) == stability_constants(ARM)
+
+
 def test_an_arm_that_is_not_physical_breaks_conditions():
     ours = stability_constants(ARM * np.where(np.arange(9) == 4, -1.0, 1.0))  # g2 < 0: Q is indefinite
     assert not ours.conditions["potential"]

@@ -97,6 +97,7 @@ def test_a_job_says_what_it_read_and_made_and_what_that_took():
     assert (job["startTime"], job["endTime"]) == ("2001-09-09T01:46:40+00:00", "2001-09-09T01:47:41+00:00")
     usage = {graph[key]["propertyID"]: graph[key]["value"] for key in ids(job["resourceUsage"])}
     assert usage == {"s": 30.0, "max_rss": 100.0, "cpu_time": 25.0}
+    assert ids(graph["#run"]["object"]) == {found[path]["@id"] for path in ("data/ID.bin", "config/config.yaml")}
     assert ids(graph["#job-claims"]["resourceUsage"]) == {"#job-claims-s"}  # too short for its memory to be seen
 
 

@@ -1,5 +1,8 @@
 """Readers without a network of Algorithm 1: generalised least squares, and how a claim stands to the truth."""
 
+import dataclasses
+from pathlib import Path
+
 import numpy as np
 import pytest
 from experiment_example import full_config
@@ -8,6 +11,7 @@ from scipy import stats
 from repro.cnn.plain import PlainNetwork, save_posterior
 from repro.files import write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
+from repro.pipeline.experiment import read_recordings
 from repro.settings import signal_settings
 from repro.study.design import RANKS
 from repro.study.readers import Readers, Reading
@@ -84,3 +88,17 @@ def test_shares_of_a_claim_do_not_depend_on_the_unit(tmp_path):
     claims = [Reading("x", unit * samples.mean(0), samples=unit * samples) for unit in (1.0, 3.5)]
     one, other = (judge(c, u * truth, u, np.random.default_rng(2)) for c, u in zip(claims, (1.0, 3.5), strict=True))
     assert one == pytest.approx(other) and 0.1 < one["nearer"] < 0.9
+
+
+def test_a_claim_of_the_posterior_is_in_units_of_the_torque(tmp_path):
+    """At twice the torque the same image of it gives twice the parameters, with four times their covariance."""
+    files = [f"data/captures/ID.{kind}" for kind in ("bin", "json")]
+    (recording,) = read_recordings(map(Path, files), CONFIG)
+    read = readers(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).read
+    strong = dataclasses.replace(recording, tau=2.0 * recording.tau)
+    one, other = (
+        next(found for found in read(each, False, np.random.default_rng(0)) if found.method == "posterior")
+        for each in (recording, strong)
+    )
+    np.testing.assert_allclose(other.beta, 2.0 * one.beta, rtol=1e-4)
+    np.testing.assert_allclose(other.covariance, 4.0 * one.covariance, rtol=1e-4)
