@@ -208,3 +208,11 @@ def test_frames_that_are_sent_without_a_host_are_lost(endpoint):
         with until(lambda: try_to_open(endpoint)) as line:
             line.timeout = 0.3
             assert line.read(8) == b""
+
+
+def test_a_link_that_another_board_has_taken_over_stays(tmp_path):
+    endpoint = PtyEndpoint(tmp_path / "board")
+    (tmp_path / "board").unlink()
+    (tmp_path / "board").symlink_to("/dev/null")
+    endpoint.close()
+    assert (tmp_path / "board").is_symlink()

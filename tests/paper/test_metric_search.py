@@ -58,6 +58,12 @@ def test_time_formulas_against_independent_ones():
             assert error("time", name, x, y)[j] == pytest.approx(value, rel=1e-9), name
 
 
+@pytest.mark.parametrize("name", [c.name for c in CANDIDATES if "symmetric" in c.name or "geometric" in c.name])
+def test_a_symmetric_formula_is_so(name):
+    x, y = signal(5, (2, 150)), 3.0 * signal(6, (2, 150))
+    np.testing.assert_allclose(error("time", name, x, y), error("time", name, y, x))
+
+
 def test_frequency_formulas_against_independent_ones():
     s, t = signal(3, (2, 150)), signal(4, (2, 150))
     for j in range(2):

@@ -219,3 +219,11 @@ def test_provenance_is_shown_where_it_was_given(inputs, page, text):
     assert "Not recorded" in Page(build_report(replace(inputs, provenance={}))).one("provenance")["text"]
     assert "tiny budgets" in build_report(replace(inputs, notice="Made with tiny budgets."))
     assert "tiny budgets" not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [("-0.0004", "\N{MINUS SIGN}0.0004"), ("12.3456", "12.35"), ("0", "0"), ("123456.7890", "123456.79"), ("nan", "")],
+)
+def test_numbers_are_shown_with_their_decimals_unless_that_leaves_nothing(text, shown):
+    assert page_module._cell(text, 2).text == shown
