@@ -99,9 +99,10 @@ def test_rounding_of_the_last_bits_is_no_step():
 
 @pytest.mark.parametrize("limit", [1.0, 2.0, 3.0])
 def test_saturation_is_measured(limit):
-    tau = np.clip(GOOD.tau, -limit, limit)
-    truth = np.mean(np.abs(GOOD.tau) >= limit, axis=1)
-    known = log_of(GOOD, torque_limit=np.array([limit, limit]))
+    limits = np.array([limit, 0.6 * limit])
+    tau = np.clip(GOOD.tau.T, -limits, limits).T
+    truth = np.mean(np.abs(GOOD.tau.T) >= limits, axis=0)
+    known = log_of(GOOD, torque_limit=limits)
     np.testing.assert_allclose(saturated(dataclasses.replace(log_of(GOOD), tau=tau)).mean(axis=1), truth, atol=1e-9)
     np.testing.assert_allclose(saturated(known).mean(axis=1), truth, atol=0.002)
 

@@ -6,8 +6,9 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 import pytest
-from experiment_example import changed, full_config, refused
+from experiment_example import ROOT, changed, full_config, refused
 
+from repro.config import load_config
 from repro.pipeline.experiment import Recording, true_parameters
 from repro.signals.programs import ReferenceTrajectory
 from repro.study.arms import Effects, choose, draw_law, excitation_program, with_friction
@@ -26,6 +27,8 @@ def test_searched_cells_are_a_fraction_balanced_over_pairs_of_factors():
         counts = searched.groupby(list(pair)).size()
         assert len(counts) == len(table.groupby(list(pair)))  # every pair of levels occurs
         assert counts.max() <= 2 * counts.min() + 1
+    whole = load_config(ROOT / "config/config.yaml", ROOT / "config/study.yaml")
+    assert all(cell.searched for cell in cells(whole)) and "flow" in whole["study"]["networks"]
 
 
 @pytest.mark.parametrize("size", [1, 5, 12, 100])
