@@ -286,8 +286,9 @@ def test_errors_name_the_arguments_of_the_public_functions():
     signal = np.ones((2, 40))
     with pytest.raises(ValueError, match=r"^guess: "):
         repro.images(signal, signal, signal, signal, np.ones(8))
-    with pytest.raises(ValueError, match=r"^friction_steepness: "):
-        repro.inverse_dynamics(signal, signal, signal, np.ones(9), friction_steepness=-3)
+    for steepness in (-3, 0):
+        with pytest.raises(ValueError, match=r"^friction_steepness: "):
+            repro.inverse_dynamics(signal, signal, signal, np.ones(9), friction_steepness=steepness)
     with pytest.raises(ValueError, match=r"^begin, end: "):
         repro.algorithm1(np.ones((2, 400)), np.ones((2, 400)), None, begin=300, end=10)
     for wrong in ({"executions": 0}, {"inner_limit": 2.5}, {"threshold": 92.37}, {"low": 4.0}, {"image_motion": "x"}):

@@ -80,6 +80,16 @@ def test_what_is_infinite_or_silent_is_shown_all_the_same():
     assert all(row[4].startswith("inf ± ") for row in page.rows("parameters")[1:])
 
 
+@pytest.mark.parametrize("warned", ["nothing", "the log", "the result"])
+def test_parameters_are_recommended_with_care_where_anything_is_warned_of(warned):
+    result = example_result(warnings=("slow",) if warned == "the result" else ())
+    logs = [replace(log, warnings=()) for log in (result.log, *result.validation_logs)]
+    result = replace(result, log=replace(logs[0], warnings=("spikes",) * (warned == "the log")))
+    result = replace(result, validation_logs=tuple(logs[1:]))
+    said = Page(render_page(result, example_curves(), {})).one("verdict")["text"]
+    assert ("With care" in said) == (warned != "nothing")
+
+
 def parameter(estimate, error=None):
     ends = (None, None) if error is None else (estimate - 2 * error, estimate + 2 * error)
     return Parameter("I1", UNITS[0], "", estimate, error, *ends, "")

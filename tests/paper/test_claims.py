@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pandas as pd
 import pytest
-from claims_example import CONFIG, LOSS, write_results
+from claims_example import CONFIG, LOSS, SEEDS, write_results
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -311,3 +311,8 @@ def test_a_damaged_table_is_named(stored, tmp_path, name, old, new, number, name
     with pytest.raises(InputError, match=named) as caught:
         values_of(PUBLISHED[number], PUBLISHED, SETTINGS, {}, Results(tmp_path / "results"))
     assert str(file) in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_parameter_has_the_seeds_of_its_arm_and_not_twice_for_its_joints(stored):
+    (number,) = (number for number in PUBLISHED if number.id == "table04/N1/algorithm1/I1")
+    assert values_of(number, PUBLISHED, SETTINGS, {}, Results(stored))[""].seeds == len(SEEDS)

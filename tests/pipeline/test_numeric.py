@@ -46,6 +46,11 @@ def identify(network):
     return identify_arms(algorithm1, CONFIG, tau_mean, 1)["arms"]
 
 
+def test_the_mean_torque_is_that_of_the_seed_s_arms():
+    first, again, other = (mean_training_torque(SIGNALS, DataSettings(), seed) for seed in (4, 4, 7))
+    assert (first == again).all() and (first != other).all()
+
+
 def test_a_perfect_network_finds_every_arm():
     """It uses the model of the exact trajectory, so the filter's error remains."""
     motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
