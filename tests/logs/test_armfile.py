@@ -62,6 +62,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("torque_constant: [0.1, 0]\n", "torque_constant[1]: found 0, expected two numbers other than 0"),
         ("torque_constant: [0.1]\n", "torque_constant[1]: found nothing, expected two numbers"),
         ("sign: [1, 2]\n", "sign[1]: found 2, expected two numbers, each 1 or -1"),
+        ("sign: [0.5, 1]\n", "sign[0]: found 0.5, expected two numbers, each 1 or -1"),
         ("sign: [1, true]\n", "sign[1]: found True, expected two numbers"),
         ("zero: [.nan, 0]\n", "zero[0]: found nan, expected two numbers, the position"),
         ("zero: [180, 0]\n", "zero[0]: found 180, expected radians within a turn"),

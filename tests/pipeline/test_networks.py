@@ -9,6 +9,7 @@ import pytest
 import torch
 from experiment_example import ROOT, changed, full_config, refused
 
+from repro.pipeline import networks
 from repro.pipeline.networks import algorithm1_of
 from repro.pipeline.stored_networks import check_stored, configuration_digest, model_card, stored_files, take_stored
 from repro.settings import of_network
@@ -105,3 +106,12 @@ def test_weights_are_read_in_the_arithmetic_that_is_asked_for_and_refused_if_the
     assert algorithm1_of("published", weights, asked, said).network.dtype == getattr(torch, precision)
     message = refused(algorithm1_of, "published", weights, asked, "other")
     assert message == f"{weights}: header: found {said}, expected other for the requested network"
+
+
+def test_the_arm_is_searched_with_the_threshold_of_the_experiment(monkeypatch):
+    monkeypatch.setattr(networks, "read_mean_torque", lambda *_: None)
+    monkeypatch.setattr(networks, "identify_recording", lambda algorithm1, *_: algorithm1.search.threshold)
+    config = changed(CONFIG, experiment={"threshold": 0.31})
+    files = [ROOT / "data/captures/ID.bin"], NETWORKS / "cnn.safetensors", Path()
+    found = networks.identify_experiment("", *files, [1, 4], digest(config, "published"), config)
+    assert found == [0.31, 0.31]
