@@ -49,14 +49,16 @@ def test_a_recording_has_the_very_bytes(make, real_time, silent):
 
 
 @pytest.mark.slow
-def test_what_an_earlier_recording_left_is_dropped():
-    board = PlayedBoard(FRAMES)
+def test_what_an_earlier_recording_left_is_dropped_once_the_board_is_at_rest():
+    board, busy = PlayedBoard(FRAMES), []
+    receive = board.receive
+    board.receive = lambda data: busy.append(board.running) or receive(data)
     with served(board, PtyEndpoint(), real_time=True) as port:
         with serial.Serial(port) as line:
             line.write(encode_start(80))
             line.read(16)
         data, received = recorded(port)  # while the board is still running
-    assert (data, received.end_reason) == (FRAMES, "")
+    assert (data, received.end_reason, any(busy)) == (FRAMES, "", False)
 
 
 @pytest.mark.slow
