@@ -121,10 +121,16 @@ def test_torch_is_pinned_everywhere_and_its_cpu_wheels_are_allowed():
 needs_make = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 
 
+def make(folder, *arguments):
+    """Run `make` as a user does, also where `make` itself runs this test."""
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("MAKE", "MFLAGS"))}
+    command = ["make", *arguments]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+
 def planned(folder, target):
-    """Commands that `make` would run, also where `make` itself runs this test."""
-    command = ["make", "--dry-run", "--no-print-directory", target]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout
+    """Commands that `make` would run."""
+    return make(folder, "--dry-run", target).stdout
 
 
 @pytest.fixture
@@ -158,9 +164,7 @@ def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(folder, answ
     interpreter = folder / "old-python"
     interpreter.write_text(f'#!/bin/sh\n[ "$1" = -V ] && echo "{answer}"\nexit 1\n', encoding="utf-8")
     interpreter.chmod(0o755)
-    environment = {key: value for key, value in os.environ.items() if not key.startswith(("MAKE", "MFLAGS"))}
-    command = ["make", "--silent", "reproduce", f"PYTHON={interpreter}"]
-    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    run = make(folder, "--silent", "reproduce", f"PYTHON={interpreter}")
     (line,) = (line for line in run.stderr.splitlines() if not line.startswith("make:"))
     assert run.returncode != 0
     assert line.startswith("error: PYTHON: found ")
@@ -175,9 +179,9 @@ def test_a_lock_that_cannot_be_installed_ends_the_set_up(folder):
     made = f"mkdir -p .venv/bin; printf '{pip}' > .venv/bin/python; chmod +x .venv/bin/python"
     interpreter.write_text(f'#!/bin/sh\n[ "$2" != venv ] || {{ {made}; }}\n', encoding="utf-8")
     interpreter.chmod(0o755)
-    run = subprocess.run(["make", "setup", f"PYTHON={interpreter}"], cwd=folder, capture_output=True, check=False)
+    run = make(folder, "setup", f"PYTHON={interpreter}")
     assert run.returncode != 0
-    assert run.stderr.startswith(b"a wrong hash\nmake") and run.stdout.count(b"\n") == 1
+    assert run.stderr.startswith("a wrong hash\nmake") and run.stdout.count("\n") == 1
 
 
 @pytest.mark.parametrize(
