@@ -48,8 +48,9 @@ ORIGIN = ("method", "series", "network")
 TRAINED_ORIGINS = ("algorithm1", "differential-evolution", "rebuilt")
 #: The ledger of published numbers.
 LEDGER = "claims"
-#: Columns of a trained row that are exact all the same: they say how much was done.
-COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level", "true"})
+#: Columns of a trained row that are exact all the same: they say how much was done, or what the paper prints.
+COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level"})
+PRINTED = frozenset({"true", "published"})
 
 
 def origin(row: Row) -> str:
@@ -75,7 +76,7 @@ class Tolerances:
 
     def kind(self, table: str, row: Row, column: str) -> Kind:
         """Class of the floats in a cell."""
-        if column in COUNTED:
+        if column in COUNTED | PRINTED:
             return Kind.COMPUTED
         if table == LEDGER:
             trained = row["target"] in self.targets and "least-squares" not in row["id"].split("/")

@@ -8,8 +8,6 @@ from unittest.mock import Mock
 
 import pytest
 
-from repro.comparison import Difference, Kind
-
 #: Lines of a page, lengths or hashes of files, and the rule of an output.
 KEPT = {
     "pages": {"tables/a.md": ["an arm of 12.5 kg", "3 of 7"], "b.md": ["a line"]},
@@ -61,12 +59,6 @@ def test_a_difference_is_reported(golden, monkeypatch, tmp_path, kind, name, val
     found = report(golden, monkeypatch, tmp_path, {**KEPT, kind: {**KEPT[kind], name: value}})
     assert len(found) == reported
     assert all(name in line for line in found)
-
-
-@pytest.mark.parametrize(("column", "allowed"), [("published", 0.0), ("ours", 2e-3)])
-def test_a_printed_number_is_exact_beside_a_trained_one(golden, column, allowed):
-    difference = Difference(Kind.TRAINED, f"line 2, {column}", "0.0997", "0.0979", 0.0018, 1.0)
-    assert golden._allowed("claims.csv", difference, [{"published": "0.0997", "ours": "0.4"}]) == allowed
 
 
 @pytest.mark.parametrize("changes", [{"b.csv": None}, {"c.csv": "3"}, {"b.csv": "5"}])
