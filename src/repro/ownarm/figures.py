@@ -94,11 +94,11 @@ def _figure(height: float) -> Figure:
     return Figure(figsize=(style.PAGE, height))
 
 
-def _place(figure: Figure, left: float, below: float, above: float, beside: float = 0.0, between: float = 0.0) -> None:
+def _place(figure: Figure, left: float, below: float, above: float, across: float = 0.0, down: float = 0.0) -> None:
     """Arrange the panels: inches around all of them, and gaps as shares of a panel's width and height."""
     width, height = figure.get_size_inches()
     edges = {"left": left / width, "right": 1.0 - 0.15 / width, "bottom": below / height, "top": 1.0 - above / height}
-    figure.subplots_adjust(**edges, wspace=beside, hspace=between)
+    figure.subplots_adjust(**edges, wspace=across, hspace=down)
 
 
 def _legend(figure: Figure, axes: Axes, simulated: bool) -> float:
