@@ -139,7 +139,7 @@ def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = 
     for axes in grid[-1]:
         axes.set_xlabel(TIME)
     figure.align_ylabels(grid[:, 0])
-    _place(figure, 0.55, 0.32, 0.26 + _legend(figure, grid[0, 1], simulated), 0.04, 0.2)
+    _place(figure, 0.7, 0.32, 0.26 + _legend(figure, grid[0, 1], simulated), 0.04, 0.22)
     return figure
 
 
