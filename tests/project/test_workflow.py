@@ -320,6 +320,8 @@ def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(worki
         if rule.name != "report":  # one more seed changes nothing for jobs that work on one motion or one arm
             assert "seeds" not in config.get("numeric", {}), rule.name
             assert "search_seeds" not in config.get("experiment", {}), rule.name
+        if rule.name in ("train", "ablation_train", "train_factorial"):  # study_train reads its samples from a file
+            assert {"repro.cnn.dataset:sample_motion", "repro.model.dynamics:regressor"} <= {*digests.split()}, rule.name
         if rule.name in ("study_arms", "study_train"):  # nor does a level of the study, or the size of its jobs
             assert not {"discrepancies", "cells_per_job"} & set(config["study"]), rule.name
 

@@ -15,6 +15,16 @@ def call(function, *definitions):
     return [function, *code("call.py", function, *definitions)]
 
 
+# What makes training samples, and what reads the settings.
+SAMPLED = ["repro.pipeline.simulated_arms:training_motion"]
+SAMPLED += [f"repro.settings:{name}_settings" for name in ("data", "network", "training")]
+
+
+def training_code(trainer):
+    """Digests of what decides the weights of a network, but not of what logs and writes around its training."""
+    return CODE.of(trainer, *SAMPLED) if workflow.is_main_process else []
+
+
 def sections(*names, of=config):
     """Parts of the configuration that jobs depend on: changing another part does not run them again."""
     parts = {name: of[name] for name in names}

@@ -25,7 +25,7 @@ rule train_factorial:
         runtime=90,
     params:
         "repro.pipeline.networks:train_cell",
-        code=lambda wildcards: " ".join(CODE.of(READERS[CELLS[wildcards.cell].reader])),
+        code=lambda wildcards: " ".join(training_code(READERS[CELLS[wildcards.cell].reader])),
         checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
     message:

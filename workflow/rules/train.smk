@@ -18,7 +18,7 @@ rule train:
     params:
         "repro.pipeline.networks:train_network",
         # The training alone: nobody wants it again for a change around it.
-        *CODE.of("repro.cnn.train"),
+        *training_code("repro.cnn.train"),
         config=training_sections,
         checkpoint=f"{R}/model/.checkpoint{{suffix}}.safetensors",
     message:
