@@ -311,6 +311,13 @@ def test_rules_are_those_kept(working, file_regression):
     file_regression.check(kept, check_fn=same, basename="rules")
 
 
+def test_without_stored_captures_recordings_need_the_logic_and_the_report_lists_none(rules, monkeypatch):
+    monkeypatch.setitem(vars(import_module("snakemake.workflow"))["config"]["experiment"], "source", "rtl")
+    needed, listed = (of_a_job(rules[name], rules[name].input[k]) for name, k in (("acquire", 0), ("report", "captures")))
+    assert {f"{ROOT}/rtl/pwm_gen.py", f"{ROOT}/rtl/simulation.cc"} <= {*needed}
+    assert listed == []
+
+
 def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(working):
     for rule in working:
         digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)

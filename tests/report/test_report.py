@@ -203,6 +203,7 @@ def test_a_wrong_line_of_the_check_sums_is_refused_where_it_stands(inputs, tmp_p
     captures.write_text(f"{'0' * 64}  T1.bin\n{line}\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"SHA256SUMS: line 2: found .*, expected a SHA-256, two blanks and a name"):
         build_report(replace(inputs, captures=captures))
+    assert "No stored captures" in Page(build_report(replace(inputs, captures=None))).one("provenance")["text"]
 
 
 def test_a_report_too_large_to_open_is_refused(inputs, monkeypatch):

@@ -3,10 +3,13 @@ SERIAL = config["experiment"]["source"] == "serial"
 if SERIAL:
     workflow.register_resource("serial_port", 1)
 
+# The board in logic, with what simulates it.
+LOGIC = sorted(map(str, (HERE.parent / "rtl").glob("*.*")))
+
 
 rule acquire:
     input:
-        lambda wildcards: present_files(wildcards.motion),
+        lambda wildcards: LOGIC if config["experiment"]["source"] == "rtl" else present_files(wildcards.motion),
     output:
         out=f"{R}/experiment/{{motion}}.bin",
         program=f"{R}/experiment/{{motion}}.program",

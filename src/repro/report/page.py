@@ -35,7 +35,7 @@ class ReportInputs:
 
     results: Path  # folder with ``claims.csv``, ``tables/`` and ``figures/`` (the numbers drawn)
     figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
-    captures: Path  # ``SHA256SUMS`` of the recorded runs
+    captures: Path | None  # ``SHA256SUMS`` of the stored captures, if the results are from such
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
     provenance: Mapping[str, str]  # commit, packages and the like; empty if nobody recorded them
     notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
@@ -253,7 +253,9 @@ def build_report(inputs: ReportInputs) -> str:
 
 
 def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
-    """Name and SHA-256 of every recorded file."""
+    """Name and SHA-256 of every stored capture."""
+    if inputs.captures is None:
+        return []
     hashes, sums = [], read_bytes(inputs.captures, "SHA-256 sums").decode("utf-8", "replace")
     for number, line in enumerate(sums.splitlines(), start=1):
         digest, _, name = line.partition("  ")
@@ -263,7 +265,7 @@ def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
     return hashes
 
 
-def make_report(captures: str, checkout: str, overlays: Sequence[str], config: Config) -> None:
+def make_report(checkout: str, overlays: Sequence[str], config: Config, captures: Sequence[Path] = ()) -> None:
     """Write ``report/index.html`` in the results folder."""
     stored = "networks that come with the project, not trained in this run"
     is_stored = config["training"]["source"] == "stored"
@@ -278,6 +280,6 @@ def make_report(captures: str, checkout: str, overlays: Sequence[str], config: C
     notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
     if is_stored:
         notice = f"{notice} {stored.capitalize()}.".strip()
-    folders = (Path(config["results"]), Path(config["figures"]), Path(captures))
-    inputs = ReportInputs(*folders, config_digest(config), provenance, notice)
+    folders = (Path(config["results"]), Path(config["figures"]))
+    inputs = ReportInputs(*folders, next(iter(captures), None), config_digest(config), provenance, notice)
     write_text(inputs.page, build_report(inputs))
