@@ -92,6 +92,7 @@ def test_every_pair_of_a_family_is_corrected_together():
     factors = {"algorithm1": 1.0, "algorithm1+refinement": 2.0, "least-squares": 0.0, "bounded": 0.25}
     differences = 0.02 + 0.001 * np.arange(9)
     short, long = (scores_of(size * differences, (8,), factors) for size in (1.0, 3.0))
+    long = pd.concat([long, long.assign(chatter=0)])  # of two runs of arm 8 one chatters
     table = comparisons(pd.concat([short, long.assign(duration=5.0)]), [*factors][:2], [*factors][2:])
     assert len(table) == 2 * 2 * 2 * 2
     for row in table.itertuples():

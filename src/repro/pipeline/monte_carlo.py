@@ -51,13 +51,14 @@ class Scores:
 
 
 def comparisons(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
-    """Compare each method with each opponent, for each duration, on all arms and on those whose loop is steady.
+    """Compare each method with each opponent, for each duration, on all arms and on those of which no run chatters.
 
     A family is the pairs of one set of arms and one duration.
     """
-    of_arms = scores[scores["case"] != "ID"].groupby(["duration", "arm", "chatter", "method"])["total"].mean().unstack()
+    validated = scores[scores["case"] != "ID"]
+    of_arms = validated.groupby(["duration", "arm", "method"])["total"].mean().unstack()
     pairs, rows = [*product(methods, opponents)], []
-    steady = of_arms[of_arms.index.get_level_values("chatter") == 0]
+    steady = of_arms[validated.groupby(["duration", "arm"])["chatter"].max() == 0]
     for name, kept in ((ALL, of_arms), ("without chatter", steady)):
         for duration, family in kept.groupby("duration"):
             differences = [(family[method] - family[opponent]).to_numpy() for method, opponent in pairs]
