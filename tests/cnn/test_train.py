@@ -14,7 +14,7 @@ import torch
 
 from repro.cnn import train as training
 from repro.cnn.architecture import PaperSchedule, TrainingSettings
-from repro.cnn.dataset import DataSettings, Samples, sample_motion
+from repro.cnn.dataset import DataSettings, Samples, UnmodelledColumns, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import FactoredCNN, on_this_processor, sigmoid_loss
 from repro.cnn.train import QUINTIC, QUINTIC_TIMES, Muon, evaluate, fingerprint, orthogonalised, train
@@ -117,6 +117,9 @@ def test_a_run_is_another_whatever_changes_its_result():
     changes = [{}, {"data": replace(DATA, prior="uniform")}, {"network": replace(literal.SMALL, maps=3)}]
     changes += [{"s": other} for other in (OTHER, PAPER, BFLOAT16, replace(STREAMED, steps=30))]
     changes += [{"motion": replace(MOTION, **{name: 1.01 * getattr(MOTION, name)})} for name in ("torque", "model")]
+    columns = UnmodelledColumns(MOTION.torque[..., 0], MOTION.torque[..., :6], MOTION.torque)
+    others = [columns, *(replace(columns, **{name: 2 * value}) for name, value in vars(columns).items())]
+    changes += [{"motion": replace(MOTION, unmodelled=each)} for each in others]
     assert len({fingerprint(**(usual | change)) for change in changes}) == len(changes)
 
 

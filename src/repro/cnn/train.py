@@ -134,7 +134,8 @@ def evaluate(network: FactoredCNN, samples: Samples, batch: int = 128) -> float:
 def fingerprint(motion: SampledMotion, data: DataSettings, network: NetworkSettings, s: TrainingSettings) -> str:
     """Hash everything that decides the result of a run: SHA-256, hexadecimal."""
     digest = hashlib.sha256(repr((TRAINING_VERSION, data, network, s)).encode())
-    for array in (motion.torque, motion.model):
+    columns = vars(motion.unmodelled).values() if motion.unmodelled else ()
+    for array in (motion.torque, motion.model, *columns):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
 
