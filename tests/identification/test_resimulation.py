@@ -10,7 +10,7 @@ from regression_example import regression_of
 from scipy.integrate import solve_ivp
 
 from repro.identification.filtering import FilterSettings
-from repro.identification.scores import WINDOW, position_errors, relative_rms, similarity
+from repro.identification.scores import WINDOW, integrate, position_errors, relative_rms, similarity
 from repro.logs.log import Log
 from repro.model.dynamics import forward_dynamics, inverse_dynamics
 from repro.model.parameters import NAMES
@@ -94,6 +94,12 @@ def test_inertia_that_is_not_positive_definite_has_no_motion(held):
     for k, wrong in ((1, 1.01 * EDGE), (1, -1.01 * EDGE), (2, -0.01), (2, 0.0), (0, 0.02)):
         assert error(held, np.where(np.arange(9) == k, wrong, BETA)) is None
     assert error(held, np.where(np.arange(9) == 1, 0.9 * EDGE, BETA)) is not None
+
+
+def test_steps_are_short_enough_for_the_pose_with_the_least_inertia():
+    beta = np.array([0.04, 0.0399, 0.02, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0])  # with joint 1 held, four times the inertia
+    _, dq = integrate([0.0, 0.01, 0.02], np.zeros((2, 3)), [0.0, 0.0], [0.0, 1e-3], beta, 20.0)
+    assert np.abs(dq).max() <= 1e-3
 
 
 def test_negative_friction_is_simulated_as_it_is():

@@ -118,7 +118,8 @@ def _steps_per_sample(beta: Array, h: float, steepness: float) -> float:
     if not is_positive_definite(np.concatenate([beta[:5], np.maximum(beta[5:], 0.0)])):
         return np.inf
     i1, i2, i3 = beta[:3]
-    smallest = min(i3 - 0.25 * i2**2 / (i1 - i3), i1 - i3 - 0.25 * i2**2 / i3)  # of a joint with the other free
+    determinant = i3 * (i1 - i3) - 0.25 * i2**2  # of M(q), the least of all poses
+    smallest = determinant / max(i1 + abs(i2), i3)  # of a joint with the other free
     decay = float(np.max(np.abs(beta[5:7]) + steepness * np.abs(beta[7:9]))) / smallest
     return float(np.ceil(h * max(1.0 / MAX_STEP, decay / MAX_DECAY_STEP)))
 
