@@ -171,6 +171,7 @@ def test_a_network_is_scored_on_every_block(name, recorded, blocks, tmp_path):
     """Of an image network each block and motion of line 18, with the block's guesses."""
     cell, seed, weights = CELLS[name], 2, tmp_path / f"{name}.safetensors"
     train_cell(name, 1, weights, str(tmp_path / ".checkpoint"), CONFIG)
+    assert [*tmp_path.iterdir()] == [weights]
     write_csv(tmp_path / "mean_torque.csv", mean_torque(CONFIG))
     table = score_cell(name, 1, seed, weights, recorded, tmp_path / "mean_torque.csv", CONFIG)
     assert tuple(table.columns) == COLUMNS

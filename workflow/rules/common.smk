@@ -52,10 +52,10 @@ def trained_as(wildcards):
 
 
 def training_sections(wildcards):
-    """What one network depends on; of where it comes from, stored networks only."""
+    """What one network depends on; where it comes from only if it can be a stored one."""
     parts = training_config(of_network(config, network_name(wildcards.suffix)))
-    source = {key: config["training"][key] for key in ("source", "networks")}
-    return {**parts, "training": {**parts["training"], **source}}
+    keys = ("source", "networks") if wildcards.suffix in ARM_SUFFIXES else ()
+    return {**parts, "training": {**parts["training"], **{key: config["training"][key] for key in keys}}}
 
 
 def factorial_motions(wildcards):

@@ -3,7 +3,7 @@ rule simulate_factorial:
         out=f"{R}/factorial/recordings.safetensors",
     params:
         *call("repro.pipeline.simulated_arms:simulate_blocks"),
-        config=sections(*ARM, "data", "factorial"),
+        config={**sections(*ARM, "data"), "factorial": FACTORIAL},
     message:
         "Simulating the blocks of the factorial"
     script:

@@ -54,7 +54,7 @@ def train_network(
 ) -> None:
     """Write weights, history and card, stored or trained; training continues from `checkpoint`."""
     name = network_name(suffix)
-    if config["training"]["source"] == "stored" and not name.startswith("paper-recipe"):
+    if config["training"].get("source") == "stored":
         take_stored(suffix, {"weights": weights, "history": history, "card": card}, config)
         return
     table = train_and_keep(name, weights, history, checkpoint, config, motions)
@@ -63,14 +63,15 @@ def train_network(
 
 
 def train_and_keep(
-    name: str, weights: Path, history: Path, checkpoint: str, config: Config, motions: Path | None
+    name: str, weights: Path, history: Path | None, checkpoint: str, config: Config, motions: Path | None
 ) -> pd.DataFrame:
-    """Train a network, saying how far it is; write its weights and its history, and return this with its seconds."""
+    """Train a network and log the progress; write its weights and, to a file, its history; return this with seconds."""
     motion, progress = training_motion(config, motions), Progress(f"training, {name}")
     settings = data_settings(config), network_settings(config), training_settings(config)
     network, table = train(motion, *settings, Path(checkpoint), progress)
     save_network(weights, network, {CONFIGURATION: configuration_digest(config)})
-    write_csv(history, table.drop(columns="seconds"))
+    if history:
+        write_csv(history, table.drop(columns="seconds"))
     Path(checkpoint).unlink(missing_ok=True)
     return table
 
@@ -186,7 +187,7 @@ def train_cell(
         settings = plain_settings(c["factorial"]["plain"])
         save_posterior(weights, train_posterior(PlainNetwork, motion, data_settings(c), settings, seed, progress))
         return
-    train_and_keep(f"{cell}, seed {seed}", weights, weights.with_suffix(".csv"), checkpoint, c, motions)
+    train_and_keep(f"{cell}, seed {seed}", weights, None, checkpoint, c, motions)
 
 
 def search_under(

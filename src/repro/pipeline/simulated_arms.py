@@ -144,9 +144,9 @@ def simulate_arms(
 def simulate_tracked(config: Config, out: Path) -> None:
     """Simulate the arms whose motions a network is trained on, and keep them."""
     t = config["data"]["tracked"]
-    program, position, pwm, beta = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
+    program, position, _, beta = simulate_arms(config, t["arms"], stream(t["seed"], Stream.TRACKED_ARMS))
     desired = program.q.astype(np.float32)
-    write_tensors(out, {"position": position, "pwm": pwm, "parameters": beta, "desired": desired})
+    write_tensors(out, {"position": position, "parameters": beta, "desired": desired})
 
 
 def sampled_tracks(
@@ -249,10 +249,7 @@ def simulate_spread(config: Config, out: Path) -> None:
     """Simulate every seed on every motion and identification duration, and keep the counts."""
     seeds, arms = config["spread"]["seeds"], spread_arms(config)
     programs = _spread_programs(config, *range(len(config["spread"]["durations_s"])))
-    kept = _simulate_specimens(config, seeds, arms[np.arange(len(seeds)) % len(arms)], programs)
-    for name, of_motion in programs.items():
-        kept[f"{name}/desired"] = np.stack([program.q for program in of_motion]).astype(np.float32)
-    write_tensors(out, kept)
+    write_tensors(out, _simulate_specimens(config, seeds, arms[np.arange(len(seeds)) % len(arms)], programs))
 
 
 def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
