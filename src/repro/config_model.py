@@ -346,10 +346,10 @@ class Study(Section):
         "arms of the law that is trained on, wide or about the stored arm, or of another law than the wide one",
     )
     frictions: Levels[Positive] = key("factors on the friction of tested arms")
-    arms: Annotated[int, Field(ge=2, le=10_000)] = key("tested arms of each prior, in every cell", "arms")
+    arms: Annotated[int, Field(ge=2, le=10_000)] = key("tested arms of each prior, in every condition", "arms")
     seed: Seed = key("seed of motions, arms, effects, networks and guesses")
-    cnn_fraction: Annotated[int, Field(ge=1, le=10_000)] = key("Algorithm 1 is run in one of so many cells")
-    cells_per_job: Count = key("cells of a job, which share excitation and prior", "cells")
+    cnn_fraction: Annotated[int, Field(ge=1, le=10_000)] = key("Algorithm 1 is run in one of so many conditions")
+    cells_per_job: Count = key("conditions of a job, which share excitation and prior", "conditions")
     cnn_steps: Annotated[int, Field(ge=8, le=10_000_000)] = key(
         "optimiser steps of the networks of Algorithm 1; the rate rises over a tenth of them", "steps"
     )
