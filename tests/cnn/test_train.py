@@ -117,9 +117,8 @@ def test_a_run_is_another_whatever_changes_its_result():
     changes = [{}, {"data": replace(DATA, prior="uniform")}, {"network": replace(literal.SMALL, maps=3)}]
     changes += [{"s": other} for other in (OTHER, PAPER, BFLOAT16, replace(STREAMED, steps=30))]
     changes += [{"motion": replace(MOTION, **{name: 1.01 * getattr(MOTION, name)})} for name in ("torque", "model")]
-    columns = UnmodelledColumns(MOTION.torque[..., 0], MOTION.torque[..., :6], MOTION.torque)
-    others = [columns, *(replace(columns, **{name: 2 * value}) for name, value in vars(columns).items())]
-    changes += [{"motion": replace(MOTION, unmodelled=each)} for each in others]
+    columns = [UnmodelledColumns(*(MOTION.torque * (1 + (j == k)) for j in range(3))) for k in range(4)]
+    changes += [{"motion": replace(MOTION, unmodelled=each)} for each in columns]
     assert len({fingerprint(**(usual | change)) for change in changes}) == len(changes)
 
 
