@@ -26,15 +26,18 @@ def test_each_pair_is_compared_in_each_cell_and_a_square_of_the_map_is_over_its_
 
 
 def test_claims_have_the_sign_of_what_they_say():
-    table = analysis.claims(outcomes({"wide": 0.03, "narrow": 0.05})).set_index("claim")
-    assert table.loc["better", "verdict"] == "fails"
-    assert table.loc["better", "difference"] == pytest.approx(-0.1, abs=0.002)
-    assert table.loc["posterior", "verdict"] == "holds"
-    assert table.loc["posterior", "difference"] == pytest.approx(0.04, abs=0.002)
-    assert table.loc[["unoptimised", "identical"], "verdict"].tolist() == ["holds", "holds"]  # equal within the margin
-    assert table.loc["posterior", ["better", "conditions"]].tolist() == [8, 8]
-    assert table.loc["better", ["better", "conditions"]].tolist() == [0, 8]
+    """Algorithm 1 is run in other discrepancies of either motion, of which the comparison of motions is adjusted."""
+    frame = outcomes({"wide": 0.03, "narrow": 0.05})
+    own, hard = frame["method"].str.startswith("algorithm1"), frame["discrepancy"] == 0.9
+    frame.loc[own & hard, "validation"] -= 0.06
+    table = analysis.claims(frame[~(own & hard & (frame["excitation"] == "optimal"))]).set_index("claim")
+    differences = {"better": -0.12, "posterior": 0.04, "robust": -0.06, "unoptimised": 0.0, "identical": 0.0}
+    own = table.loc[[*differences]]
+    assert own["difference"].to_dict() == pytest.approx(differences, abs=0.002)
+    assert own["verdict"].tolist() == ["fails", "holds", "fails", "holds", "holds"]  # the last two within the margin
+    assert table.loc[["posterior", "better"], ["better", "conditions"]].to_numpy().tolist() == [[8, 8], [0, 6]]
     assert table["arms"].tolist() == [24] * len(table)
+    assert "unoptimised" not in [*analysis.claims(frame[hard == (frame["excitation"] == "eq10")])["claim"]]
 
 
 @pytest.mark.parametrize(("lost", "verdict"), [(0.5, "holds"), (1.0, OPEN), (1.5, "fails")])
@@ -43,16 +46,14 @@ def test_a_claim_that_something_does_not_matter_has_a_margin(lost, verdict):
     own = frame["method"] == "algorithm1"
     frame.loc[own, "validation"] -= EQUIVALENT * (lost + 0.2 * np.where(frame.loc[own, "arm"] % 2, 1.0, -1.0))
     row = analysis.claims(frame).set_index("claim").loc["identical"]
-    assert row["verdict"] == verdict
-    assert row["high"] < 0.0
+    assert row["verdict"] == verdict and row["high"] < 0.0
 
 
 def test_uniform_ranks_stay_in_the_band_and_narrow_claims_leave_it():
     right = outcomes({"wide": 0.0, "narrow": 0.0}, arms=40)
     table = analysis.calibration(right)
     assert set(table["method"]) == {"posterior"}
-    apart = (table["share"] - table["level"]).abs()
-    assert (apart <= table["band"]).all()
+    assert ((table["share"] - table["level"]).abs() <= table["band"]).all()
     narrow = right.copy()
     narrow[list(RANKS)] = (narrow[list(RANKS)] > 0.5).astype(float)
     each = analysis.calibration(narrow).query("of == 'each'")

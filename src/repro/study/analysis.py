@@ -24,12 +24,9 @@ def difference(outcomes: pd.DataFrame, method: str, opponent: str) -> pd.Series:
     if outcomes.duplicated(list(KEYS)).any():
         raise ValueError("outcomes: a method has two rows for one arm of a cell.")
     values = outcomes.set_index(list(KEYS))["validation"]
-    return (_level(values, "method", method) - _level(values, "method", opponent)).dropna()
-
-
-def _level(values: pd.Series, factor: str, level: object) -> pd.Series:
-    """Values at one level of a factor, which is no longer in the index."""
-    return values[values.index.get_level_values(factor) == level].droplevel(factor)
+    names = values.index.get_level_values("method")
+    first, second = (values[names == name].droplevel("method") for name in (method, opponent))
+    return (first - second).dropna()
 
 
 def conditions(values: pd.Series) -> pd.DataFrame:
@@ -62,18 +59,29 @@ class Claim:
     margin: float = 0.0  # by which the difference may be negative
 
 
+def _effect(values: pd.Series, factor: str, first: object, second: object) -> pd.Series:
+    """Difference between two levels of a factor, by prior and arm, in an additive model of all factors."""
+    effects = {}
+    for prior, own in values.groupby("prior"):
+        arms = own.unstack("arm")
+        levels = pd.get_dummies(arms.index.to_frame(), columns=arms.index.names, dtype=np.float64)
+        contrast = 1.0 * (levels.columns == f"{factor}_{first}") - (levels.columns == f"{factor}_{second}")
+        weights = np.linalg.pinv(levels.T) @ contrast
+        if contrast.any() and np.allclose(levels.T @ weights, contrast):  # else the conditions do not determine it
+            effects[prior] = pd.Series(weights @ arms.to_numpy(), arms.columns)
+    return pd.concat(effects, names=["prior"]).dropna() if effects else values.iloc[:0]
+
+
 def _optimised(outcomes: pd.DataFrame) -> pd.Series:
     """Algorithm 1 identified by Eq. 10 minus identified by the D-optimal motion."""
     values = outcomes[outcomes["method"] == ALGORITHM1].set_index([*FACTORS, "arm"])["validation"]
-    by = values.groupby(["excitation", "prior", "arm"]).mean()
-    return (_level(by, "excitation", "eq10") - _level(by, "excitation", "optimal")).dropna()
+    return _effect(values, "excitation", "eq10", "optimal")
 
 
 def _robust(outcomes: pd.DataFrame) -> pd.Series:
     """What the largest discrepancy costs ordinary least squares minus what it costs Algorithm 1."""
-    better = difference(outcomes, ALGORITHM1, "ordinary").groupby(["discrepancy", "prior", "arm"]).mean()
-    levels = sorted(set(outcomes["discrepancy"]))
-    return (_level(better, "discrepancy", levels[0]) - _level(better, "discrepancy", levels[-1])).dropna()
+    levels = outcomes["discrepancy"]
+    return _effect(difference(outcomes, ALGORITHM1, "ordinary"), "discrepancy", levels.min(), levels.max())
 
 
 #: Claims of the paper, and the question of the study; fixed before the first full run.

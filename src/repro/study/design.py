@@ -9,7 +9,7 @@ from repro.pipeline.job import Config
 #: Networks: of the amortised posterior, normal or a flow, and of Algorithm 1 trained on the ideal motion and on motions
 #: as arms track it.
 POSTERIOR, FLOW, ALGORITHM1, TRACKED = ("posterior", "flow", "algorithm1", "algorithm1+tracked")
-#: Law of the training arms for each prior; tested arms are of that law, but of another one if it is mismatched.
+#: Law of the training arms for each prior; tested arms are of it, or of another if mismatched, and can do all motions.
 TRAINED_ON = {"wide": "wide", "narrow": "narrow", "mismatched": "wide"}
 
 #: Factors, and what identifies a row of the outcomes.
@@ -31,7 +31,11 @@ class Cell:
 
 
 def cells(config: Config) -> list[Cell]:
-    """All cells in order; Algorithm 1 is run in every `cnn_fraction`-th of them, balanced over pairs of factors."""
+    """All cells in order; Algorithm 1 is run in one of `cnn_fraction` of them.
+
+    By default these are a Youden square for each prior: motion and discrepancy meet every friction once, each other in
+    balanced incomplete blocks. So levels have different conditions, and `analysis` compares them in an additive model.
+    """
     s = config["study"]
     factors = [enumerate(s[name]) for name in ("excitations", "discrepancies", "priors", "frictions")]
     numbered = [zip(*each, strict=True) for each in product(*factors)]
