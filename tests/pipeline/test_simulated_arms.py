@@ -41,10 +41,8 @@ def test_arms_of_both_laws_are_physical_and_the_motors_carry_them():
     for draw in (simulated_arms.draw_arms, simulated_arms.draw_built_arms):
         beta = draw(np.random.default_rng(0), 500, CONFIG)
         assert is_positive_definite(beta).all()
-        assert (beta[:, [3, 4]].sum(1) + beta[:, 7] <= 0.8 * full[0]).all()
-        assert (beta[:, 4] + beta[:, 8] <= 0.8 * full[1]).all()
-        assert (beta[:, 0] >= 0.01).all()
-        assert (beta[:, 2] >= 0.004).all()
+        assert (np.stack([beta[:, [3, 4, 7]].sum(1), beta[:, [4, 8]].sum(1)], axis=1) <= 0.8 * full).all()
+        assert (beta[:, [0, 2]] >= [0.01, 0.004]).all()
         assert len(np.unique(beta, axis=0)) == 500
         correlation.append(np.corrcoef(np.log(beta[:, [3, 7]]).T)[0, 1])
     # Friction follows gravity in the arms as they are built, which it does not in those that train.
@@ -80,15 +78,13 @@ def test_no_arm_that_trains_is_one_that_is_tested(motions, monkeypatch):
 
 def test_torques_are_of_each_motion_and_f_is_of_the_one_that_was_sent(motions):
     desired = training_motion(small(), motions)
-    assert desired.torque.shape == (6, 2, 100, 9)
-    assert desired.model.shape == (2, 100, 9)
+    assert (desired.torque.shape, desired.model.shape) == ((6, 2, 100, 9), (2, 100, 9))
     measured = training_motion(changed(small(), algorithm1={"image_motion": "measured"}), motions)
     assert measured.model.shape == (6, 2, 100, 9)
     np.testing.assert_array_equal(measured.torque, desired.torque)
     # Gravity hardly knows how well the arm tracks; the acceleration of joint 2 does.
     gap = np.abs(measured.model - desired.model).max((0, 1, 2)) / np.abs(desired.model).max((0, 1))
-    assert gap[3] < 0.15
-    assert gap[2] > 0.2
+    assert gap[3] < 0.15 and gap[2] > 0.2
 
 
 def test_a_file_of_fewer_motions_is_refused(motions):
@@ -156,8 +152,7 @@ def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded,
     assert f"{recorded}: T1/position: " in refused(read_spread, recorded, longer, 0)
     counts = load_file(recorded)
     del counts["T3/pwm"]
-    path = tmp_path / "recordings.safetensors"
-    save_file(counts, path)
+    save_file(counts, path := tmp_path / "recordings.safetensors")
     assert f"{path}: T3/pwm: " in refused(read_spread, path, BRIEF, 0)
 
 

@@ -1,29 +1,31 @@
 """Readers without a network of Algorithm 1: generalised least squares, and how a claim stands to the truth."""
 
 import dataclasses
-from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from experiment_example import full_config
+from experiment_example import CAPTURES, MOTIONS, changed, full_config
 from scipy import stats
 
 from repro.cnn.plain import PlainNetwork, save_posterior
 from repro.files import write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
-from repro.pipeline.experiment import read_recordings
+from repro.pipeline.experiment import read_recordings, true_parameters
+from repro.pipeline.simulated_arms import Specimen
 from repro.settings import signal_settings
-from repro.study.design import RANKS
-from repro.study.readers import Readers, Reading
+from repro.signals.dct import dct2sub
+from repro.streams import Stream, stream
+from repro.study.arms import draw_law
+from repro.study.design import ALGORITHM1, RANKS
+from repro.study.readers import Readers, Reading, run_job, train_reader
 
 CONFIG, N = full_config(), 9
 
 
-def readers(tmp_path, error_covariance, prior_mean, prior_covariance):
-    training = tmp_path / "training.safetensors"
-    kept = {"error_covariance": error_covariance, "prior_mean": prior_mean, "prior_covariance": prior_covariance}
-    write_tensors(training, kept)
-    weights = tmp_path / "posterior.safetensors"
+def readers(tmp_path, *kept):
+    training, weights = tmp_path / "training.safetensors", tmp_path / "posterior.safetensors"
+    write_tensors(training, dict(zip(("error_covariance", "prior_mean", "prior_covariance"), kept, strict=True)))
     save_posterior(weights, PlainNetwork(100, CONFIG["study"]["posterior"]["width"]))
     return Readers(training, {"posterior": weights}, CONFIG, signal_settings(CONFIG))
 
@@ -38,10 +40,10 @@ def test_generalised_least_squares_is_what_statistics_says(tmp_path):
     mean, spread = beta + 0.5, np.diag(np.linspace(0.01, 2.0, N))
     prepared = PreparedSignals(None, 1.0, unit, alpha, y, y)  # of which only the subsampled torque counts
     plain, with_prior = readers(tmp_path, covariance, mean, spread)._generalised(prepared)
-    inverse, rows = np.linalg.inv(covariance), y.reshape(-1, N)
+    inverse, rows, torque = np.linalg.inv(covariance), y.reshape(-1, N), alpha.reshape(-1)
     information = rows.T @ inverse @ rows
-    expected = np.linalg.solve(information, rows.T @ inverse @ alpha.reshape(-1))
-    error = alpha.reshape(-1) - rows @ expected
+    expected = np.linalg.solve(information, rows.T @ inverse @ torque)
+    error = torque - rows @ expected
     variance = error @ inverse @ error / (200 - N)
     np.testing.assert_allclose(plain.beta, unit * expected, rtol=1e-9)
     np.testing.assert_allclose(plain.covariance, unit**2 * variance * np.linalg.inv(information), rtol=1e-8)
@@ -59,15 +61,12 @@ def test_ranks_are_uniform_if_a_claim_is_right_and_not_if_it_is_narrow(tmp_path,
     half = rng.normal(size=(N, N))
     covariance = half @ half.T / N + 0.1 * np.eye(N)
     judge = readers(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).judge
-    claims = []
-    for _ in range(400):
-        centre = rng.normal(size=N)
-        truth = rng.multivariate_normal(centre, covariance)
-        claims.append(judge(Reading("x", centre, width**2 * covariance), truth, unit, rng))
-    p_each = stats.kstest([claim[RANKS[4]] for claim in claims], "uniform").pvalue
-    p_together = stats.kstest([claim["nearer"] for claim in claims], "uniform").pvalue
-    assert (p_each > 0.01) == (width == 1.0)
-    assert (p_together > 0.01) == (width == 1.0)
+    centres = rng.normal(size=(400, N))
+    truths = centres + rng.multivariate_normal(np.zeros(N), covariance, 400)
+    found = [Reading("x", centre, width**2 * covariance) for centre in centres]
+    claims = [judge(one, truth, unit, rng) for one, truth in zip(found, truths, strict=True)]
+    for share in (RANKS[4], "nearer"):
+        assert (stats.kstest([claim[share] for claim in claims], "uniform").pvalue > 0.01) == (width == 1.0)
     assert claims[0]["contraction"] == pytest.approx(np.mean(1.0 - width**2 * np.diag(covariance) / unit**2))
 
 
@@ -85,20 +84,40 @@ def test_samples_are_judged_as_their_distribution(tmp_path):
 def test_shares_of_a_claim_do_not_depend_on_the_unit(tmp_path):
     judge = readers(tmp_path, np.eye(200), np.full(N, 0.8), np.eye(N)).judge
     truth, samples = np.linspace(0.1, 1.7, N), np.random.default_rng(8).normal(0.9, 0.5, (500, N))
-    claims = [Reading("x", unit * samples.mean(0), samples=unit * samples) for unit in (1.0, 3.5)]
-    one, other = (judge(c, u * truth, u, np.random.default_rng(2)) for c, u in zip(claims, (1.0, 3.5), strict=True))
+    claims = {unit: Reading("x", unit * samples.mean(0), samples=unit * samples) for unit in (1.0, 3.5)}
+    one, other = (judge(claim, u * truth, u, np.random.default_rng(2)) for u, claim in claims.items())
     assert one == pytest.approx(other) and 0.1 < one["nearer"] < 0.9
 
 
 def test_a_claim_of_the_posterior_is_in_units_of_the_torque(tmp_path):
     """At twice the torque the same image of it gives twice the parameters, with four times their covariance."""
-    files = [f"data/captures/ID.{kind}" for kind in ("bin", "json")]
-    (recording,) = read_recordings(map(Path, files), CONFIG)
+    (recording,) = read_recordings([CAPTURES / "ID.bin"], CONFIG)
     read = readers(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).read
     strong = dataclasses.replace(recording, tau=2.0 * recording.tau)
-    one, other = (
-        next(found for found in read(each, False, np.random.default_rng(0)) if found.method == "posterior")
-        for each in (recording, strong)
-    )
+    one, other = ({found.method: found for found in read(r, False, None)}["posterior"] for r in (recording, strong))
     np.testing.assert_allclose(other.beta, 2.0 * one.beta, rtol=1e-4)
     np.testing.assert_allclose(other.covariance, 4.0 * one.covariance, rtol=1e-4)
+
+
+def test_networks_of_algorithm_1_learn_the_tested_law_with_the_seed_of_the_study(tmp_path, monkeypatch):
+    training, config, rng = tmp_path / "training.safetensors", changed(CONFIG, study={"seed": 7}), np.random.default_rng
+    write_tensors(training, {f"ideal/{name}": np.zeros((2, 100, N)) for name in ("torque", "model")})
+    monkeypatch.setattr("repro.study.readers.train", train := Mock(return_value=(None, None)))
+    monkeypatch.setattr("repro.study.readers.save_network", Mock())
+    for law in ("wide", "narrow"):
+        train_reader(ALGORITHM1, "eq10", law, training, tmp_path, str(tmp_path / "none"), config)
+        _, data, _, settings, *_ = train.call_args.args
+        np.testing.assert_array_equal(data.prior(rng(4), 20), draw_law(law, rng(4), 20, config))
+        assert settings.seed == 7
+
+
+def test_a_claim_is_judged_in_the_unit_of_the_prior_with_random_numbers_of_its_own(monkeypatch):
+    recordings = read_recordings([CAPTURES / f"{name}.bin" for name in MOTIONS], CONFIG)
+    found, arm = Mock(**{"read.return_value": [], "judge.return_value": {}}), true_parameters(CONFIG)
+    made = found, [Specimen(1, {"arm": 0}, arm, recordings)], (None, {"arms/narrow": [arm]})
+    for name, value in zip(("Readers", "specimens", "read_choice"), made, strict=True):
+        monkeypatch.setattr(f"repro.study.readers.{name}", Mock(return_value=value))
+    run_job("eq10-narrow-0", None, None, [], CONFIG)
+    *_, unit, rng = found.judge.call_args.args
+    assert unit == np.abs(dct2sub(recordings[0].regression(signal_settings(CONFIG)).tau, 100)).max()
+    assert rng.random() == stream(1, Stream.STUDY_SEARCH, 1, 0).random()

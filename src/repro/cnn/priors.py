@@ -14,6 +14,7 @@ from repro.model.parameters import Array, Links, inertial_from_links
 
 Prior = Literal["mixture", "uniform", "log-uniform", "links", "published"]
 
+Law = Callable[[np.random.Generator, int], Array]  # draws so many parameter sets (n, 9)
 LOW, HIGH = 1e-3, 1.0
 #: Ranges that Section IV-A prints, SI units: l1, l2, lc1, lc2 and J1; m1, m2 and J2; friction coefficients.
 PUBLISHED_LENGTH, PUBLISHED_MASS, PUBLISHED_FRICTION = (LOW, 0.1), (LOW, HIGH), (LOW, HIGH)
@@ -43,7 +44,7 @@ def _published_beta(rng: np.random.Generator, n: int) -> Array:
 
 
 #: All but the mixture. Log-uniform arms have some parameters that are much smaller than others.
-DRAWS: dict[str, Callable[[np.random.Generator, int], Array]] = {
+DRAWS: dict[str, Law] = {
     "uniform": lambda rng, n: rng.uniform(LOW, HIGH, (n, 9)),
     "log-uniform": lambda rng, n: _log_uniform(rng, LOW, HIGH, (n, 9)),
     "links": _links_beta,
@@ -65,9 +66,28 @@ class AroundPrior:
         return np.array(self.centre) * _log_uniform(rng, 1.0 / self.factor, self.factor, (n, len(self.centre)))
 
 
-def sample_beta(rng: np.random.Generator, n: int, prior: Prior | AroundPrior = "mixture") -> Array:
+@dataclass(frozen=True)
+class CarriedPrior:
+    """Arms that motors can carry and a loop can hold: those of a law that meet both limits."""
+
+    largest_load: tuple[float, ...]  # of each joint by gravity and Coulomb friction, N m
+    least_inertia: tuple[float, ...]  # I1 and I3, kg m^2
+
+    def __call__(self, rng: np.random.Generator, n: int, law: Law = _links_beta) -> Array:
+        """Draw n parameter sets (n, 9)."""
+        arms = np.empty((0, 9))
+        while len(arms) < n:
+            beta = law(rng, 4 * n)
+            g1, g2, k1, k2 = beta[:, [3, 4, 7, 8]].T
+            load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
+            fit = (load <= self.largest_load).all(1) & (beta[:, [0, 2]] >= self.least_inertia).all(1)
+            arms = np.concatenate([arms, beta[fit]])
+        return arms[:n]
+
+
+def sample_beta(rng: np.random.Generator, n: int, prior: Prior | AroundPrior | CarriedPrior = "mixture") -> Array:
     """Draw n parameter sets (n, 9) of training arms, all positive."""
-    if isinstance(prior, AroundPrior):
+    if not isinstance(prior, str):
         return prior(rng, n)
     if prior == "mixture":
         counts = rng.multinomial(n, [*MIXTURE.values()])

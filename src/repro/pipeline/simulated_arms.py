@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from repro.cnn.dataset import SampledMotion, sample_motion, stack_motions
-from repro.cnn.priors import sample_beta
+from repro.cnn.priors import DRAWS, CarriedPrior, Law
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.controller import simulate
@@ -59,11 +59,6 @@ def _stored(path: Path, expected: str) -> Callable[[str, tuple[int, ...]], NDArr
     return first
 
 
-def _links(rng: np.random.Generator, n: int) -> Array:
-    """Law of the arms that networks are trained on."""
-    return sample_beta(rng, n, "links")
-
-
 def _built(rng: np.random.Generator, n: int) -> Array:
     """Law that trains nothing: rods with a motor at the elbow, a load at the tip, and friction a share of gravity."""
     l1, l2 = rng.uniform(0.1, 0.35, (2, n))
@@ -78,19 +73,15 @@ def _built(rng: np.random.Generator, n: int) -> Array:
     return np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
 
 
-def draw_arms(
-    rng: np.random.Generator, n: int, config: Config, law: Callable[[np.random.Generator, int], Array] = _links
-) -> Array:
+def carried_prior(config: Config) -> CarriedPrior:
+    """Arms that the motors can carry and the loop can hold."""
+    t, full = config["data"]["tracked"], config["board"]["full_torque_nm"]
+    return CarriedPrior(tuple(t["load_share"] * torque for torque in full), tuple(t["least_inertia_kg_m2"]))
+
+
+def draw_arms(rng: np.random.Generator, n: int, config: Config, law: Law = DRAWS["links"]) -> Array:
     """The first `n` arms of a law that the motors can carry and the loop can hold."""
-    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
-    arms = np.empty((0, 9))
-    while len(arms) < n:
-        beta = law(rng, 4 * n)
-        g1, g2, k1, k2 = beta[:, [3, 4, 7, 8]].T
-        load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
-        fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
-        arms = np.concatenate([arms, beta[fit]])
-    return arms[:n]
+    return carried_prior(config)(rng, n, law)
 
 
 draw_built_arms: Draw = partial(draw_arms, law=_built)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.cnn.priors import AroundPrior
+from repro.cnn.priors import AroundPrior, CarriedPrior
 from repro.config import merged
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
@@ -19,13 +19,13 @@ from repro.logs.armfile import Arm
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording, limits, program_from_config, program_settings, true_parameters
 from repro.pipeline.job import Config
-from repro.pipeline.simulated_arms import Specimen, draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
+from repro.pipeline.simulated_arms import Specimen, carried_prior, draw_built_arms, is_within_limits, run_loop, tracks
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
 from repro.signals.validation_motions import random_motion
 from repro.streams import Stream, stream
-from repro.study.design import FACTORS, Cell
+from repro.study.design import FACTORS, TRAINED_ON, Cell
 
 #: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
 NARROW = 1.5
@@ -38,16 +38,20 @@ STEPS, LARGEST_STEP = 6, 5.0
 HARMONICS, RANGE, SPEED, TORQUE_SHARE = 8, 1.5, 5.0, 0.6
 
 
-def around_stored_arm(config: Config) -> AroundPrior:
-    """Law of the narrow prior."""
-    return AroundPrior(tuple(true_parameters(config).tolist()), NARROW)
+def training_prior(law: str, config: Config) -> AroundPrior | CarriedPrior:
+    """Distribution of the arms that readers learn from."""
+    stored = AroundPrior(tuple(true_parameters(config).tolist()), NARROW)
+    return stored if law == "narrow" else carried_prior(config)
 
 
 def draw_law(law: str, rng: np.random.Generator, n: int, config: Config) -> Array:
     """Parameters (n, 9) of arms from the law of a prior."""
-    if law == "narrow":
-        return around_stored_arm(config)(rng, n)
-    return {"wide": draw_arms, "mismatched": draw_built_arms}[law](rng, n, config)
+    return draw_built_arms(rng, n, config) if law == "mismatched" else training_prior(law, config)(rng, n)
+
+
+def prior_stream(config: Config, name: Stream, prior: str, *index: int) -> np.random.Generator:
+    """Generator of one use of the study's seed for a prior, whichever other priors are in the study."""
+    return stream(config["study"]["seed"], name, [*TRAINED_ON].index(prior), *index)
 
 
 def with_friction(beta: Array, factor: float) -> Array:
@@ -110,7 +114,7 @@ def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
         return program_from_config(c, "ID")
     h, margin = c["signals"]["sampling_period_s"], c["experiment"]["margin_samples"]
     samples = round(c["signals"]["duration_s"] / h) + 2 * margin
-    rng = stream(c["study"]["seed"], Stream.STUDY_MOTION)
+    rng = stream(c["study"]["seed"], Stream.STUDY_MOTION, int(excitation == "optimal"))
     if excitation == "random":
         t = program_settings(c)
         motion = random_motion(rng, t.t1_bands, t.t1_limit, t.t1_range_of, samples, h)
@@ -126,13 +130,11 @@ def choose(config: Config, out: Path) -> None:
     """Write the excitations, and the arms of each prior that can do all motions of the study."""
     s = config["study"]
     excitations = {name: excitation_program(config, name) for name in s["excitations"]}
-    validation = [program for k in range(s["arms"]) for program in _validation(config, k)]
-    motions = [*excitations.values(), *{(p.name, p.q.tobytes()): p for p in validation}.values()]
     kept: dict[str, NDArray[Any]] = {}
-    for index, prior in enumerate(s["priors"]):
-        rng = stream(s["seed"], Stream.STUDY_ARMS, index)
-        drawn = draw_law(prior, rng, DRAWN * s["arms"], config)
-        for program in motions:
+    for prior in s["priors"]:
+        validation = {(p.name, p.q.tobytes()): p for k in range(s["arms"]) for p in _validation(config, prior, k)}
+        drawn = draw_law(prior, prior_stream(config, Stream.STUDY_ARMS, prior), DRAWN * s["arms"], config)
+        for program in (*excitations.values(), *validation.values()):
             drawn = drawn[is_within_limits(config, with_friction(drawn, max(s["frictions"])), program)]
         drawn = drawn[: SPARE * s["arms"]]
         for program in excitations.values():
@@ -150,9 +152,10 @@ def choose(config: Config, out: Path) -> None:
     write_tensors(out, kept)
 
 
-def _validation(config: Config, k: int) -> list[ReferenceTrajectory]:
-    """Motions T1 to T4 of arm number `k`."""
-    return [program_from_config(config, name, k + 1) for name in VALIDATION]
+def _validation(config: Config, prior: str, k: int) -> list[ReferenceTrajectory]:
+    """Motions T1 to T4 of arm number `k` of a prior."""
+    seed = int(prior_stream(config, Stream.STUDY_VALIDATION, prior, k).integers(2**32))
+    return [program_from_config(config, name, seed) for name in VALIDATION]
 
 
 def read_choice(path: Path, config: Config, excitation: str) -> tuple[ReferenceTrajectory, dict[str, NDArray[Any]]]:
@@ -171,8 +174,7 @@ def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajector
     """
     c, n = excitation_config(config, cells[0].excitation), len(arms)
     beta = np.concatenate([with_friction(arms, cell.friction) for cell in cells])
-    prior = config["study"]["priors"].index(cells[0].prior)
-    drawn = Effects.drawn(stream(config["study"]["seed"], Stream.STUDY_EFFECTS, prior), arms)
+    drawn = Effects.drawn(prior_stream(config, Stream.STUDY_EFFECTS, cells[0].prior), arms)
     unit = Effects(np.tile(drawn.levels, (1, len(cells), 1)), np.tile(drawn.phase, (len(cells), 1)))
     target = np.repeat([1.0 - cell.discrepancy**2.5 for cell in cells], n)
     amplitude = np.ones(len(beta))
@@ -182,7 +184,7 @@ def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajector
             reached = np.array([least_squares_similarity(recording, c) for recording in identified])
             factor = target / np.maximum(1.0 - reached**2.5, 1e-6)
             amplitude *= np.clip(factor, 1.0 / LARGEST_STEP, LARGEST_STEP)
-    own = [_validation(config, k) for k in range(n)] * len(cells)
+    own = [_validation(config, cells[0].prior, k) for k in range(n)] * len(cells)
     by_motion, effects = zip(*own, strict=True), unit.times(amplitude)
     further = [record(c, beta, same, effects, f"runs of {same[0].name}") for same in by_motion]
     labels = [{**{name: getattr(cell, name) for name in FACTORS}, "arm": k} for cell in cells for k in range(n)]

@@ -17,7 +17,6 @@ from scipy.special import ndtr
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
 from repro.cnn.network import save_network
 from repro.cnn.plain import Flow, PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
-from repro.cnn.priors import AroundPrior, Prior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
@@ -39,14 +38,15 @@ from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
 from repro.study.arms import (
     Effects,
-    around_stored_arm,
     choose,
     draw_law,
     excitation_config,
     least_squares_similarity,
+    prior_stream,
     read_choice,
     record,
     specimens,
+    training_prior,
 )
 from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs, trained
 
@@ -58,9 +58,8 @@ SHRINKAGE = 0.1
 
 def _data(config: Config, law: str, unmodelled: bool) -> DataSettings:
     """Distribution of training samples of a law, with the study's torque beyond Eq. 1 or without any."""
-    prior: Prior | AroundPrior = around_stored_arm(config) if law == "narrow" else "links"
     effects = UnmodelledSettings(**config["study"]["unmodelled"]) if unmodelled else UnmodelledSettings()
-    return replace(data_settings(config), prior=prior, unmodelled=effects)
+    return replace(data_settings(config), prior=training_prior(law, config), unmodelled=effects)
 
 
 def make_arms(choice: Path, training: Sequence[Path], config: Config) -> None:
@@ -119,8 +118,8 @@ def train_reader(
     elif network == POSTERIOR:
         save_posterior(weights, train_posterior(PlainNetwork, *posterior))
     else:
-        steps = s["cnn_steps"]
-        settings = replace(training_settings(config), recipe="streamed", steps=steps, warmup=steps // 10)
+        budget = {"steps": s["cnn_steps"], "warmup": s["cnn_steps"] // 10}
+        settings = replace(training_settings(config), recipe="streamed", seed=s["seed"], **budget)
         trained, _ = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
         save_network(weights, trained, {})
         Path(checkpoint).unlink(missing_ok=True)
@@ -168,7 +167,7 @@ class Readers:
             yield Reading(FLOW, samples.mean(axis=0), samples=samples)
 
     def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> dict[str, float]:
-        """Compare a claim with the truth; `unit` is the largest torque, in which the prior is.
+        """Compare a claim with the truth; `unit` is the torque scale of the prior.
 
         The mean share of the prior's variance that the claim removes; the share of its draws nearer to a random point
         than the truth (TARP, Lemos and others 2023); the probability that it gives to values below each parameter.
@@ -231,18 +230,17 @@ def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], con
     readers = Readers(training, {path.stem: path for path in weights}, config, signal_settings(c))
     recorded = specimens(config, own, program, arms)
     for k, one in enumerate(over(recorded, f"identifying {len(recorded)} runs")):
-        rng = stream(config["study"]["seed"], Stream.STUDY_SEARCH, one.labels["arm"])
+        rng = prior_stream(config, Stream.STUDY_SEARCH, own[0].prior, one.labels["arm"])
         scores = Scores(one.recordings, c)
-        on_id, *others = scores.regressions
-        largest = float(np.abs(on_id.tau).max())  # N m, unit of priors and of errors of parameters
+        unit = prepare_recording(one.recordings[0], None, signal_settings(c)).torque_scale
         least_squares = least_squares_similarity(one.recordings[0], c)
         searched = own[k // len(arms)].searched
         for reading in (Reading("true", one.true), *readers.read(one.recordings[0], searched, rng)):
             beta, row = reading.beta, {**one.labels, "method": reading.method, "least_squares": least_squares}
             row |= scores(beta, metric_settings(c))
-            row["torque_error"] = float(np.mean([relative_rms(r, beta) for r in others]))
-            row["parameter_error"] = float(np.sqrt(np.mean((beta - one.true) ** 2))) / largest
-            rows.append({**row, **readers.judge(reading, one.true, largest, rng)})
+            row["torque_error"] = float(np.mean([relative_rms(r, beta) for r in scores.regressions[1:]]))
+            row["parameter_error"] = float(np.sqrt(np.mean((beta - one.true) ** 2))) / unit
+            rows.append({**row, **readers.judge(reading, one.true, unit, rng)})
             estimates.append((one.recordings[1], beta, searched))
     return pd.DataFrame(rows).assign(position_error=_position_errors(estimates, config)).round(5)
 
