@@ -203,7 +203,7 @@ def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
 @pytest.mark.parametrize("steepness", [20.0, 100.0])
 def test_steepness_is_recovered(name, steepness):
     noisy = rounded(with_noise(log_from(log_example.motion, steepness=steepness), 0.003, 4), 1e-5)
-    assert choose_steepness(noisy, FilterSettings(name=name, friction_steepness=7.0)) == steepness
+    assert choose_steepness([(noisy, FilterSettings(name=name, friction_steepness=7.0))]) == steepness
 
 
 @pytest.mark.slow

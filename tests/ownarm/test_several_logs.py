@@ -8,6 +8,7 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, loaded, silent, solved
 from regression_example import log_from, resting
 
+from repro.identification import filtering
 from repro.identification.least_squares import METHODS
 from repro.logs.log import Log
 from repro.ownarm.evaluate import add_runs
@@ -72,6 +73,19 @@ def test_logs_have_one_delay_and_one_fit_and_each_its_faults():
     for row, truth in zip(spread_of_runs(problem, result)[:5], BETA, strict=False):
         assert row.agree
         assert row.estimates == pytest.approx([truth, truth], rel=0.05)
+
+
+def test_logs_have_one_lambda_and_the_cutoff_of_the_one_that_needs_the_lowest(monkeypatch):
+    choose, calls = filtering.choose_cutoff, []
+
+    def lowest_at_last(log, settings):
+        calls.append(log.name)
+        return replace(choose(log, settings), hertz=3.0 if calls.count("20.0") > 1 else 5.0)
+
+    monkeypatch.setattr(filtering, "choose_cutoff", lowest_at_last)
+    logs = [replace(log_from(motion, steepness=s, delay=1e-3 * s / 20.0), name=str(s)) for s in (100.0, 20.0)]
+    problem = make_problem([loaded(log) for log in logs], (), replace(ARM, friction_steepness=None), OPTIONS)
+    assert {(log.settings.cutoff, log.settings.friction_steepness) for log in problem.logs} == {(3.0, 50.0)}
 
 
 def test_a_log_of_another_arm_is_named_and_disagrees_from_run_to_run():

@@ -10,6 +10,7 @@ rebuilt torque. The second is not enough: a controller answers noise with torque
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -295,13 +296,13 @@ def _first_below(frequency: Array, curve: Array, limit: float) -> float:
 # Choice of the friction's steepness and the delay.
 
 
-def choose_steepness(log: Log, settings: FilterSettings) -> float:
-    """Choose lambda of Eq. 1 with the smallest sum of squared errors, each joint over its torque's energy."""
-    errors = []
-    for steepness in STEEPNESS_GRID:
+def choose_steepness(logs: Sequence[tuple[Log, FilterSettings]]) -> float:
+    """Choose lambda of Eq. 1 with the smallest sum of squared errors, each joint of a log over its torque's energy."""
+    errors = np.zeros(len(STEEPNESS_GRID))
+    for (log, settings), (k, steepness) in product(logs, enumerate(STEEPNESS_GRID)):
         r = prepare(log, replace(settings, friction_steepness=steepness), even_odd=False)
         weight = 1.0 / np.mean(r.tau**2, axis=-1, keepdims=True)
-        errors.append(float(np.sum(weight * (r.tau - r.y @ solve(r.y, r.tau, weight)) ** 2)))
+        errors[k] += np.sum(weight * (r.tau - r.y @ solve(r.y, r.tau, weight)) ** 2)
     return STEEPNESS_GRID[int(np.argmin(errors))]
 
 

@@ -141,9 +141,15 @@ class _Common:
     """What logs of one arm have in common."""
 
     hertz: float  # cut-off: the lowest of the logs, as a row must mean the same in each
+    friction_steepness: float  # lambda of Eq. 1, s/rad
     delay: float  # of the torque, s
     delay_error: float
     names: tuple[str, ...]  # of the calibration errors that a log is searched for
+
+
+def _lowered(chosen: filtering.Cutoff, hertz: float) -> filtering.Cutoff:
+    """Lower a cut-off to that of another log."""
+    return replace(chosen, hertz=hertz, reason="the lowest cut-off of the logs") if hertz < chosen.hertz else chosen
 
 
 def _choose_settings(
@@ -157,12 +163,13 @@ def _choose_settings(
     chosen = filtering.choose_cutoff(log, settings)
     if options.cutoff is not None:
         chosen = replace(chosen, hertz=options.cutoff, reason=GIVEN)
-    elif common is not None and common.hertz < chosen.hertz:
-        chosen = replace(chosen, hertz=common.hertz, reason="the lowest cut-off of the logs")
+    elif common is not None:
+        chosen = _lowered(chosen, common.hertz)
     settings = replace(settings, cutoff=chosen.hertz)
     check_rate(log, chosen)
     if arm.friction_steepness is None:
-        settings = replace(settings, friction_steepness=filtering.choose_steepness(log, settings))
+        steepness = common.friction_steepness if common else filtering.choose_steepness([(log, settings)])
+        settings = replace(settings, friction_steepness=steepness)
     if arm.delay is not None:
         return settings, chosen, 0.0
     delay, error = (common.delay, common.delay_error) if common else filtering.estimate_delay(log, settings)
@@ -194,7 +201,7 @@ def _finish(
     if log.taken:
         log = log.change(subtract_terms(log.loaded.log, log.settings, load, log.taken))
     log = replace(log, regression=drop_idle_joints(log.regression))
-    return replace(log, doubt=_interval_doubt(log.loaded.log, log.moving, log.settings.delay, arm))
+    return replace(log, doubt=_interval_doubt(log, arm))
 
 
 #: Fraction of a joint's squared torque that Eq. 1 must predict for intervals to be claimed, and largest product of both
@@ -211,27 +218,28 @@ def delay_at_limit(delay: float) -> bool:
     return abs(delay) >= 0.99 * filtering.MAX_DELAY
 
 
-def _interval_doubt(log: Log, moving: Regression, delay: float, arm: Arm) -> str:
+def _interval_doubt(log: PreparedLog, arm: Arm) -> str:
     """Find a reason to claim no intervals."""
-    left, by_friction = unexplained(moving), unexplained(moving, FRICTION)
+    left, by_friction = unexplained(log.moving), unexplained(log.moving, FRICTION)
     worst = int(np.argmax(left))
     # Where Eq. 1 predicts little, the motion is not the one that this torque caused, or unmodelled effects caused it.
     if left[worst] > 1.0 - MIN_EXPLAINED:
-        if quiet := smoothed(log).noisy_joints():  # rows of noise read 0 = Y beta and bias every estimate towards zero
+        if quiet := smoothed(log.loaded.log).noisy_joints():  # rows of noise bias every estimate towards zero
             return f"the torque of joint {quiet[0]} is little more than noise"
         explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
         return f"Eq. 1 predicts only {explained} from the rest of the log"
-    at_limit = saturated(log).mean(axis=-1)
+    at_limit = saturated(log.recorded).mean(axis=-1)  # a corrected torque has no limit
     worst = int(np.argmax(at_limit))
     if at_limit[worst] > MAX_SATURATED and left[worst] > MAX_LEFT_SATURATED:
         return f"the torque of joint {worst + 1} is at its limit in {100.0 * at_limit[worst]:.0f} % of the samples"
     # A torque that only compensates friction is explained without inertia and gravity, whatever they are.
     if np.prod(left[left > 0.0] / by_friction[left > 0.0]) > MAX_OVER_FRICTION:
         return "friction alone explains the torque nearly as well as Eq. 1"
-    return "the delay of the torque is beyond the search range" if arm.delay is None and delay_at_limit(delay) else ""
+    late = arm.delay is None and delay_at_limit(log.settings.delay)
+    return "the delay of the torque is beyond the search range" if late else ""
 
 
-def _in_common(logs: Sequence[PreparedLog]) -> _Common:
+def _in_common(logs: Sequence[PreparedLog], arm: Arm) -> _Common:
     """Find what several logs of an arm have in common."""
     # A torque constant is the arm's: its error counts if no log contradicts it that would show it by itself.
     factor = mean_scale(logs)
@@ -239,7 +247,9 @@ def _in_common(logs: Sequence[PreparedLog]) -> _Common:
     shown = (calibration_limits(log.loaded.log, log.settings, log.faults)[SCALE] for log in without)
     scaled = factor is not None and not any(limit is not None and limit < abs(factor - 1.0) for limit in shown)
     names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
-    return _Common(min(log.settings.cutoff for log in logs), *_common_delay(logs), names)
+    hertz = min(log.settings.cutoff for log in logs)
+    pairs = [(log.loaded.log, replace(log.settings, cutoff=hertz)) for log in logs]
+    return _Common(hertz, arm.friction_steepness or filtering.choose_steepness(pairs), *_common_delay(logs), names)
 
 
 def _common_delay(logs: Sequence[PreparedLog]) -> tuple[float, float]:
@@ -289,14 +299,14 @@ def _find_terms(logs: Sequence[PreparedLog], options: Options) -> tuple[tuple[Ex
 
 
 def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
-    """Prepare the logs of one arm, which has one delay, one set of terms beyond Eq. 1, and here one cut-off.
+    """Prepare the logs of one arm, which has one delay, lambda, cut-off and set of terms beyond Eq. 1.
 
     Each log is corrected by itself, then compared with the others: first those with calibration errors, which the
     others may contradict, then those without. Of these the log whose correction reduces the error most comes first: an
     uncorrected log can make a good one look faulty.
     """
     corrected = [_correct(loaded, arm, options) for loaded in logs]
-    common, remaining = _in_common(corrected) if len(logs) > 1 else None, list[int]()
+    common, remaining = _in_common(corrected, arm) if len(logs) > 1 else None, list[int]()
 
     def others(one: PreparedLog) -> list[Regression]:
         return [log.moving for log in corrected if log is not one]
@@ -317,6 +327,10 @@ def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple
         most = min(gains, key=gains.__getitem__)
         corrected[most] = found[most]
         remaining.remove(most)
+    hertz = min(log.settings.cutoff for log in corrected)  # a corrected log may need a lower one
+    for k, log in enumerate(corrected):
+        if (lowered := _lowered(log.cutoff, hertz)) is not log.cutoff:
+            corrected[k] = log.change(log.loaded.log, settings=replace(log.settings, cutoff=hertz), cutoff=lowered)
     moving, factor = joined([log.moving for log in corrected]), mean_scale(corrected)
     if factor is not None and wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
         for k, log in enumerate(corrected):
