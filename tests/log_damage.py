@@ -69,6 +69,7 @@ def line_changed(change, number=100):
 
 #: Arm files that state the unit of a position: of an absurd one, and of one in counts of 1 rad.
 RAD = {"units": {"position": "rad"}}
+ABSOLUTE, BACKWARDS = {"second_joint_absolute": True}, {"sign": (-1.0, 1.0)}
 COUNTS = {"units": {"position": "counts"}, "counts_per_turn": (2 * np.pi, 2 * np.pi)}
 
 #: Name, content of the file (table, text or bytes), and keys of the arm, of logs that are refused.
@@ -172,11 +173,14 @@ SUSPECTED = [
     ("torque 2 of the other sign", scaled(-1, "tau2"), {}),
     ("joint 2 of the other sign", scaled(-1, "q2", "dq2", "tau2"), {}),
     ("absolute q2", absolute(), {}),
-    ("q2 not absolute", GOOD, {"second_joint_absolute": True}),
+    ("q2 not absolute", GOOD, ABSOLUTE),
     ("q2 of the other sign", scaled(-1, "q2", "dq2"), {}),
     ("zero upright", shifted("q1", np.pi, 0), {}),
     ("zero horizontal", shifted("q1", np.pi / 2, 0), {}),
     ("zero horizontal, other side", shifted("q1", -np.pi / 2, 0), {}),
+    ("both zeros upright", absolute() | {"q1": GOOD["q1"] + np.pi, "q2": absolute()["q2"] + np.pi}, ABSOLUTE),
+    ("zero horizontal, counted backwards", scaled(-1, "q1", "dq1", "tau1") | {"q1": np.pi / 2 - GOOD["q1"]}, BACKWARDS),
+    ("absolute q2 of the other sign", {key: x * (-1) ** key.endswith("2") for key, x in absolute().items()}, ABSOLUTE),
     ("zero folded back", shifted("q2", np.pi, 0), {}),
     ("zero at a right angle", shifted("q2", np.pi / 2, 0), {}),
     ("q1 in half as many counts", scaled(2, "q1", "dq1"), COUNTS),

@@ -41,10 +41,10 @@ class Convention:
     """Another meaning of the columns: ``q' = position @ q + offset`` and ``tau' = torque @ tau``."""
 
     name: str
-    remedy: str  # what to write in the arm file
-    position: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)  # a matrix (2, 2) by rows
+    remedy: str  # what to write in the arm file; for an offset `_zero` does
+    position: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)  # a matrix (2, 2) by rows, of recorded angles
     torque: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
-    offset: tuple[float, float] = (0.0, 0.0)  # rad
+    offset: tuple[float, float] = (0.0, 0.0)  # of the angles of Eq. 1, rad
 
 
 _SWAP: Final = (0.0, 1.0, 1.0, 0.0)
@@ -64,12 +64,12 @@ CONVENTIONS: Final = (
     Convention("q2 measured from the vertical", "second_joint_absolute: true", (1.0, 0.0, -1.0, 1.0)),
     Convention("q2 relative to link 1", "second_joint_absolute: false", (1.0, 0.0, 1.0, 1.0)),
     Convention("positions in degrees", "units: {position: deg}", (_DEGREE, 0.0, 0.0, _DEGREE)),
-    Convention("q1 = 0 upright", "zero: [3.1416, 0] or [-3.1416, 0]", offset=(np.pi, 0.0)),
-    Convention("q1 = 0 horizontal", "zero: [-1.5708, 0]", offset=(_RIGHT, 0.0)),
-    Convention("q1 = 0 horizontal", "zero: [1.5708, 0]", offset=(-_RIGHT, 0.0)),
-    Convention("q2 = 0 folded back", "zero: [0, 3.1416] or [0, -3.1416]", offset=(0.0, np.pi)),
-    Convention("q2 = 0 at a right angle", "zero: [0, -1.5708]", offset=(0.0, _RIGHT)),
-    Convention("q2 = 0 at a right angle", "zero: [0, 1.5708]", offset=(0.0, -_RIGHT)),
+    Convention("q1 = 0 upright", "zero", offset=(np.pi, 0.0)),
+    Convention("q1 = 0 horizontal", "zero", offset=(_RIGHT, 0.0)),
+    Convention("q1 = 0 horizontal", "zero", offset=(-_RIGHT, 0.0)),
+    Convention("q2 = 0 folded back", "zero", offset=(0.0, np.pi)),
+    Convention("q2 = 0 at a right angle", "zero", offset=(0.0, _RIGHT)),
+    Convention("q2 = 0 at a right angle", "zero", offset=(0.0, -_RIGHT)),
     *(
         Convention(f"{which} {1.0 / factor:g} times the true one", remedy, (x, 0.0, 0.0, y))
         for factor in (0.5, 2.0, 0.25, 4.0)
@@ -135,7 +135,8 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
         yield f"the torque of joint {noisy[0]} is little more than noise: {reason}"
     given = _fit(s, _AS_GIVEN)
     in_force = f"second_joint_absolute: {str(arm.second_joint_absolute).lower()}"
-    fits = [(_fit(s, convention), convention) for convention in CONVENTIONS if convention.remedy != in_force]
+    others = [convention for convention in CONVENTIONS if convention.remedy != in_force]
+    fits = [(_fit(s, convention, arm.second_joint_absolute), convention) for convention in others]
     least = min((fit for fit, _ in fits), key=lambda fit: fit.ratio(given))
     if least.ratio(given) < _ERROR_RATIO and least.error.min() < _GOOD_ERROR:
         equal = [pair for pair in fits if pair[0].ratio(least) < _EQUAL_RATIO]
@@ -186,9 +187,17 @@ def _advice(convention: Convention, reason: str, log: Log, arm: Arm) -> str:
             remedy = remedy.replace("tau1:", "dq1: dq2, dq2: dq1, tau1:", 1)
         remedy += " (with the headers of this log)"
     elif remedy.startswith(("sign", "torque_sign", "zero")):
-        remedy += " (on top of what is there)"
+        remedy = f"{_zero(convention, arm) if remedy == 'zero' else remedy} (on top of what is there)"
     step = "" if convention.remedy.startswith("multiply") else "write into the arm file: "
     return f"{READS_BETTER} {convention.name} ({reason}): if so, first of all {step}{remedy}"
+
+
+def _zero(convention: Convention, arm: Arm) -> str:
+    """Write the change of the zeros in the arm file that has the offset of a convention; half a turn has two signs."""
+    first, second = convention.offset
+    change = -np.array(arm.sign) * (first, second + first * arm.second_joint_absolute)
+    pairs = (np.abs(change), -np.abs(change)) if np.abs(change).max() > _RIGHT else (change,)
+    return "zero: " + " or ".join("[{:.5g}, {:.5g}]".format(*(pair + 0.0)) for pair in pairs)  # no negative zero
 
 
 def low_pass(signals: Array, h: float) -> Array:
@@ -227,15 +236,16 @@ def fit_joints(y: Array, tau: Array) -> tuple[Array, Array]:
     return beta, error
 
 
-def _fit(smoothed: Smoothed, convention: Convention) -> _Fit:
-    """Fit Eq. 1 with a convention, each joint weighted by its own error."""
-    k = smoothed.chosen
-    position, torque = (np.reshape(matrix, (2, 2)) for matrix in (convention.position, convention.torque))
+def _fit(smoothed: Smoothed, convention: Convention, absolute: bool = False) -> _Fit:
+    """Fit Eq. 1 with a convention, each joint weighted by its own error; recorded angles of joint 2 may be absolute."""
+    k, relative = smoothed.chosen, np.array([[1.0, 0.0], [-float(absolute), 1.0]])
+    recorded, torque = (np.reshape(matrix, (2, 2)) for matrix in (convention.position, convention.torque))
+    both = recorded, recorded / np.abs(recorded).max(axis=1, keepdims=True)
+    position, sense = (relative @ matrix @ np.linalg.inv(relative) for matrix in both)
     q = position @ smoothed.q[:, k] + np.array(convention.offset)[:, np.newaxis]
     dq, tau = position @ smoothed.dq[:, k], torque @ smoothed.tau[:, k]
     y = regressor(q, dq, position @ smoothed.ddq[:, k])
     # The speed at which friction sets in is unknown: a factor on the positions must not choose another one.
-    sense = position / np.abs(position).max(axis=1, keepdims=True)
     y[..., 7:] = np.tanh(LAMBDA * sense @ smoothed.dq[:, k])[..., np.newaxis] * np.eye(2)[:, np.newaxis]
     (beta, left), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
     error = left / size

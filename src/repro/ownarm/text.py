@@ -113,14 +113,14 @@ def calibration_lines(
     """
     lines = []
     for fault in faults:
-        joint, size = fault.name[-1], _size(fault.name, fault.value, fault.error)
+        joint, size = fault.name[-1], _size(fault.name, fault.value, arm, fault.error)
         problem = {
             "zero": f"the zero of joint {joint} is {size} off",
             "offset": f"the torque of joint {joint} has an offset of {size}",
             "scale": f"the torque of joint {joint} is {size} what joint {3 - int(joint)} implies",
         }[fault.kind]
         if fault.instead:
-            others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x)}" for n, x in fault.instead.items())
+            others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x, arm)}" for n, x in fault.instead.items())
             problem += f" (this log can hardly distinguish it from {', or '.join(others)})"
         before, after = 100.0 * fault.before, 100.0 * fault.after
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
@@ -157,15 +157,16 @@ def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> str:
     return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for kind, (key, pair) in lines if kind in found)
 
 
-def _size(name: str, value: float, error: float | None = None) -> str:
-    """Give value, twice its standard error if known, and unit; a zero has the sign that it has in the arm file."""
-    unit, turn, digits = {
-        "zero": ("degrees", float(-np.degrees(1.0)), 2),
-        "offset": ("N m", 1.0, 3),
+def _size(name: str, value: float, arm: Arm, error: float | None = None) -> str:
+    """Give value as in the arm file, which has its own signs, twice its standard error if known, and unit."""
+    k = int(name[-1]) - 1
+    unit, factor, digits = {
+        "zero": ("degrees", -np.degrees(arm.sign[k]), 2),
+        "offset": ("N m", arm.sign[k] * arm.torque_sign[k] * arm.torque_scale[k], 3),
         "scale": ("times", 1.0, 3),
     }[name[:-1]]
-    interval = "" if error is None else f" +- {2 * error * abs(turn):.2g}"
-    return _with_unit(f"{value * turn:.{digits}g}{interval}", unit)
+    interval = "" if error is None else f" +- {2 * error * abs(factor):.2g}"
+    return _with_unit(f"{value * factor:.{digits}g}{interval}", unit)
 
 
 def _with_unit(size: str, unit: str) -> str:
