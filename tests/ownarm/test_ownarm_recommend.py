@@ -24,6 +24,8 @@ def test_validation_logs_count_before_halves():
     assert recommend((a, b))[0] == recommend((b, a))[0] == "a"
     halves = recommend([replace(m, validation=()) for m in (a, b)])
     assert halves == ("b", f"smallest mean torque error on each half from the other {AMONG}")
+    others = recommend([replace(m, validation=(), halves=(score("log.csv", 0.1, 0.1),)) for m in (a, b)])
+    assert others[1] == f"smallest mean torque error on each log from the others {AMONG}"
 
 
 def test_halves_make_parameters_unusable_only_without_validation_logs():
@@ -93,8 +95,10 @@ def test_each_limit_passed_gives_one_warning(excitation, changes, settings, word
 def test_a_short_log_is_warned_of():
     problem = problem_of(exciting(50), delay=0.0)
     loaded = problem.first.loaded
+    n = loaded.log.t.size
     for seconds, short in ((14.9, True), (15.1, False)):
-        log = replace(loaded.log, t=np.linspace(0.0, seconds, loaded.log.t.size))
+        gap = 20.0 * (np.arange(n) >= n // 2)
+        log = replace(loaded.log, t=np.linspace(0.0, seconds, n) + gap, breaks=(n // 2,))
         ready = replace(problem.first, loaded=replace(loaded, log=log))
         lines = warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)
         assert any("short" in line for line in lines) == short

@@ -15,8 +15,9 @@ from repro.identification.least_squares import METHODS
 from repro.logs.log import Log, uniform
 from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
+from repro.ownarm import evaluate
 from repro.ownarm.evaluate import add_self_test, inverse_errors, self_test, synthetic_log
-from repro.ownarm.prepare import Options
+from repro.ownarm.prepare import Options, prepare_logs
 from repro.ownarm.problem import make_problem
 from repro.ownarm.text import self_test_verdict
 
@@ -116,6 +117,20 @@ def test_rounded_time_stamps_are_no_jitter():
     assert synthetic.recorded.t == pytest.approx(t)
     rough = [np.std(np.diff(q, 3), axis=-1) for q in (synthetic.recorded.q, raw.q)]
     assert rough[0] == pytest.approx(rough[1], rel=0.1)
+
+
+def test_logs_are_simulated_by_their_longest_pieces_and_prepared_together(monkeypatch):
+    """Missing samples make a piece the shorter one as it is recorded, and the longer one as it is resampled."""
+    whole, prepared = recorded().recorded, []
+    used = np.where(whole.t < 10.0, np.arange(whole.t.size) % 50 != 7, whole.t > 10.1)
+    raw = replace(whole, t=whole.t[used], q=whole.q[:, used], tau=whole.tau[:, used])
+    problem = make_problem((recorded(zero=0.05), replace(loaded(uniform(raw)), recorded=raw)), (), ARM, OPTIONS)
+    monkeypatch.setattr(evaluate, "DRAWS", 1)
+    monkeypatch.setattr(evaluate, "prepare_logs", lambda *given: prepared.append(prepare_logs(*given)) or prepared[0])
+    ordinary_self_test(problem)
+    ((one, other),) = prepared
+    assert one.settings.delay == other.settings.delay
+    assert other.loaded.recorded.t.size == 1960
 
 
 def test_a_method_without_intervals_has_no_self_test(clean):

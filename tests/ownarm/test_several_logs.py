@@ -90,10 +90,11 @@ def test_logs_have_one_lambda_and_the_cutoff_of_the_one_that_needs_the_lowest(mo
 
 def test_a_log_of_another_arm_is_named_and_disagrees_from_run_to_run():
     other = BETA * np.array([1.8, 1.7, 1.6, 1.7, 1.8, 1, 1, 1, 1])
-    problem = problem_of(noisy_log("a.csv", 0), noisy_log("b.csv", 1), noisy_log("odd.csv", 3, beta=other))
+    problem = problem_of(noisy_log("odd.csv", 0), noisy_log("b.csv", 1), noisy_log("odd.csv", 3, beta=other))
     result, _ = solved(problem)
     (line,) = (line for line in result.warnings if "disagrees" in line)
     assert line.startswith("the log odd.csv disagrees with the others")
+    assert float(line.partition(" % fitted alone")[0].rpartition(" ")[2]) < 0.5  # of the last log, not of the first
     assert {row.name for row in spread_of_runs(problem, result) if row.agree is False} >= {"I1", "I2", "g1", "g2"}
 
 

@@ -247,9 +247,9 @@ def inverse_errors(errors: Mapping[str, float]) -> dict[str, float]:
 
 def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) -> LoadedLog:
     """Simulate the recording of a log, or of its longest piece, with an arm of known parameters."""
-    s, pieces = prepared.settings, segments(prepared.loaded.recorded or prepared.loaded.log)
-    longest = prepared.loaded.log.longest, max(pieces, key=lambda one: one.t.size)
-    log, piece = (replace(one, t=one.t - one.t[0]) for one in longest)
+    s, loaded = prepared.settings, prepared.loaded
+    pairs = zip(loaded.log.pieces, segments(loaded.recorded or loaded.log), strict=True)
+    log, piece = (replace(one, t=one.t - one.t[0]) for one in max(pairs, key=lambda pair: pair[0].t.size))
     even, h, top = uniform(piece), period(log), motion_cutoff(s, period(log))
     moved = smooth_motion(log.q, h, s)
     acting = CubicSpline(log.t, regressor(*moved, s.friction_steepness) @ beta, axis=1)
@@ -262,7 +262,7 @@ def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) 
     q, tau = (CubicSpline(even.t, x, axis=1)(np.clip(at, 0.0, even.t[-1])) for x in (right.q, right.tau))
     q = _measured(q, piece.q, _level(even.q, h, 0.25 / h, np.inf), rng)
     raw = replace(piece, q=q, tau=_measured(tau, piece.tau, np.minimum(*noise), rng), dq=None)
-    return LoadedLog(uniform(raw), prepared.loaded.description, raw)
+    return LoadedLog(uniform(raw), loaded.description, raw)
 
 
 def self_test(
@@ -272,16 +272,14 @@ def self_test(
 
     Noise, quantisation, time stamps, delay and calibration errors are added as estimated from the log. Noise is white:
     of the position as strong as in the upper half of its spectrum, of the torque as just above the frequencies of the
-    motion. The synthetic log is prepared with the cut-off and lambda of the real one.
+    motion. The synthetic logs are prepared together, with the cut-off and lambda of the real ones.
     """
     betas, inside, claimed, errors = [], [], [], []
+    as_real = replace(options, cutoff=problem.first.settings.cutoff, friction=False)
+    arm = replace(arm, friction_steepness=problem.first.settings.friction_steepness)
     for draw in range(DRAWS):
         rng = stream(options.seed, Stream.SELF_TEST, draw)
-        logs: list[PreparedLog] = []
-        for log in problem.logs:
-            as_real = replace(options, cutoff=log.settings.cutoff, friction=False)
-            arm = replace(arm, friction_steepness=log.settings.friction_steepness)
-            logs += prepare_logs([synthetic_log(log, beta, rng)], arm, as_real)
+        logs = prepare_logs([synthetic_log(log, beta, rng) for log in problem.logs], arm, as_real)
         moving, as_good = join_logs(logs, problem.prior)
         estimate = method.estimate(moving)
         spread = bootstrap(method, moving, estimate, as_good, rng)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -55,7 +56,9 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     if prediction_error(best) == np.inf:
         remedy = "give a log to judge by: --validate LOG (Python: validate=log)"
         return best.method, f"smallest error on the log it was fitted to; {remedy}"
-    on = "the validation logs" if best.validation else "each half from the other"
+    halves = best.halves and best.halves[0].log in HALVES
+    rest = "each half from the other" if halves else "each log from the others"
+    on = "the validation logs" if best.validation else rest
     return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
 
 
@@ -188,19 +191,20 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
 
 def disagreeing(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
     """Warn of the log that the others predict worst, if it can be fitted much better."""
-    left_out = [score for score in method.halves if score.log not in HALVES]
+    pairs = zip(method.halves, problem.left_out, strict=False)  # by place, because two logs may have one name
+    left_out = [(max(score.relative_rms), log) for score, (log, _) in pairs if score.log not in HALVES]
     if not left_out:
         return
-    worst = max(left_out, key=lambda score: max(score.relative_rms))
-    log, predicted = next(log for log in problem.logs if log.loaded.name == worst.log), max(worst.relative_rms)
+    predicted, log = max(left_out, key=itemgetter(0))
     own = max(relative_rms(log.regression, solve(log.moving.y, log.moving.tau)))
     if predicted > max(WORSE * own, SMALL):
         found = f"its torque error is {100 * predicted:.3g} % predicted from them, and {100 * own:.3g} % fitted alone"
-        yield f"the log {worst.log} disagrees with the others: {found}; leave it out if the arm changed"
+        yield f"the log {log.loaded.name} disagrees with the others: {found}; leave it out if the arm changed"
 
 
 def _short(problem: IdentificationProblem) -> Iterator[str]:
-    length = sum(float(log.loaded.log.t[-1] - log.loaded.log.t[0]) for log in problem.logs)
+    pieces = [piece for log in problem.logs for piece in log.loaded.log.pieces]
+    length = sum(float(piece.t[-1] - piece.t[0]) for piece in pieces)
     if length < SHORT:
         yield f"the log is short, {length:.3g} s: the intervals are reliable from {SHORT:g} s on; record more"
 
