@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from repro.errors import InputError, require
 from repro.files import check_folder
+from repro.fpga.capture import files_of
 from repro.identification.method import GROUPS, NETWORKS, network_cache
 from repro.identification.scores import integrate
 from repro.logs.armfile import Arm, read_arm
@@ -358,8 +359,9 @@ def identify(
         delay = f"{1e3 * abs(s.delay):.3g} ms {'earlier' if s.delay < 0.0 else 'later'}"
         _LOG.info("the torque acts %s than recorded; lambda %.4g s/rad", delay, s.friction_steepness)
     result, curves = _solve(problem, described, options, self_test)
-    inputs = [source for source in (*logs, *others, arm, prior) if isinstance(source, (str, Path))]
-    return Identification(result, result.recommended, curves, described, tuple(Path(name) for name in inputs))
+    inputs = [Path(source) for source in (*logs, *others, arm, prior) if isinstance(source, (str, Path))]
+    captures = [file for path in inputs if path.suffix == ".bin" for file in files_of(path)]
+    return Identification(result, result.recommended, curves, described, (*inputs, *captures))
 
 
 def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test: bool) -> tuple[Result, Curves]:

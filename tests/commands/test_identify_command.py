@@ -69,6 +69,13 @@ def test_an_input_in_the_output_folder_is_not_replaced(log, tmp_path, capsys, ro
     assert own.read_bytes() == before
 
 
+def test_the_sidecar_of_a_capture_in_the_output_folder_is_not_replaced(tmp_path, capsys):
+    for file in CAPTURES.glob("T3.*"):
+        shutil.copy(file, tmp_path / f"parameters{file.suffix}")
+    assert identify(tmp_path / "parameters.bin", "--method", "ordinary", "-o", tmp_path, "--overwrite") == 2
+    assert "parameters.json: found an input of this command" in capsys.readouterr().err
+
+
 def test_every_option_reaches_the_function(log, tmp_path, monkeypatch):
     given, arm, prior = {}, tmp_path / "arm.yaml", tmp_path / "prior.json"
     arm.write_text("gravity: 9.7\n")
@@ -165,6 +172,13 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path):
         board.communicate(timeout=10)
     assert (tmp_path / "out-recording.bin").read_bytes() == (CAPTURES / "ID.bin").read_bytes()
     assert (out / "report.html").exists()
+
+
+def test_several_ports_are_recorded_into_files_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.setattr("repro.commands.boards.record", lambda _: 0)
+    monkeypatch.setattr("repro.api.identify", lambda sources, **_: sys.exit(" ".join(path.name for path in sources)))
+    with pytest.raises(SystemExit, match=r"^out-recording-1.bin out-recording-2.bin$"):
+        identify("socket://a:1", "socket://b:1", "--config", ROOT / "config/config.yaml", "-o", tmp_path / "out")
 
 
 @pytest.mark.parametrize(

@@ -148,6 +148,8 @@ def test_a_capture_is_a_log_and_its_table_the_same_log(tmp_path, read, board):
     np.testing.assert_allclose(log.torque_limit, full)
     assert describe(log, Arm()).simulated == log.simulated
     assert read_log(tmp_path / "T4.bin", Arm(torque_limit=(1.0, 2.0))).torque_limit.tolist() == [1.0, 2.0]
+    scaled = Arm(torque_offset=(-0.5, 0.25), torque_scale=(2.0, 0.5))
+    np.testing.assert_allclose(read_log(tmp_path / "T4.bin", scaled).torque_limit, (full - [0.5, 0.25]) * [0.5, 2.0])
     arm = Arm(counts_per_turn=(8400, 8400), topic="/joints", file="arm.yaml")
     decoded = read(to_table(capture).to_csv(index=False), arm, "T4.csv")
     np.testing.assert_allclose(decoded.q, log.q, atol=1e-12)

@@ -51,7 +51,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="exit code 3 if the parameters must not be used: not physically consistent, or torque errors above 50 %%",
     )
     add("--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)")
-    add("--threads", type=integer(1, 1024), help="no effect: the CNN uses one thread, so that the seed determines it")
     add("--cache", type=Path, default=network_cache(), help=f"trained networks (default: {network_cache()})")
     add("--trajectory", help="with a port: motion to record, as for repro record (default: ID)")
     add_config(parser)
@@ -73,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
     choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
     same = ("validate", "arm", "filter", "cutoff", "friction", "prior", "self_test", "seed", "steps", "cache")
     with options_named("cutoff", "method", "validate", "cache"):
-        sources = [_source(arguments, log) for log in arguments.logs]
+        sources = [_source(arguments, place) for place in range(len(arguments.logs))]
         result = identify(sources, method=method, **{name: getattr(arguments, name) for name in same})
     files = result.save(arguments.out, arguments.overwrite)
     print(result)
@@ -90,16 +89,17 @@ def _is_port(text: str) -> bool:
     return "://" in text or path.is_char_device() or (text.startswith("/dev/") and not path.exists())
 
 
-def _source(arguments: argparse.Namespace, text: str) -> Path:
+def _source(arguments: argparse.Namespace, place: int) -> Path:
     """Give the file of a log; a port is recorded first, and the capture is kept next to the result."""
-    path = Path(text)
+    text = arguments.logs[place]
+    path, number = Path(text), f"-{place + 1}" * (len(arguments.logs) > 1)
     if text.startswith("/dev/") and not path.exists():
         raise InputError.at(text, "no such port", "the port of a board that is plugged in")
     if not _is_port(text):
         return path
     from repro.commands import boards
 
-    capture: Path = arguments.out.parent / f"{arguments.out.name}-recording.bin"
+    capture: Path = arguments.out.parent / f"{arguments.out.name}-recording{number}.bin"
     if capture.exists() and not arguments.overwrite:
         raise InputError.at(str(capture), "a recording", "a new name for the folder, or --overwrite")
     parser = argparse.ArgumentParser()

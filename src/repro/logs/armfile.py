@@ -171,7 +171,8 @@ class Arm:
     )
     torque_limit: _TwoPositive | None = _key(
         "two numbers above 0, the largest torque of joint 1 and of joint 2, N m",
-        "without it a largest value that occurs repeatedly counts as one",
+        "of the torque that acts, so after `torque_offset` and `torque_scale`; without it a largest value that occurs "
+        "repeatedly counts as one",
     )
     position_limit: Annotated[tuple[_Turn, _Turn], _Both] | None = _key(
         "two ranges, lowest and highest angle of Eq. 1 of joint 1 and of joint 2, rad",

@@ -77,9 +77,9 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
         place, raw = str(source), _from_table(table, source.name, arm)
     if arm.topic and not (isinstance(source, Path) and is_bag(source)):
         raw = replace(raw, notes=(*raw.notes, f"topic of {arm.file} is not used: {raw.name} is no bag"))
-    limit = raw.torque_limit if arm.torque_limit is None else np.array(arm.torque_limit)
     with np.errstate(over="ignore"):  # numbers beyond double precision are refused below
-        log = replace(to_eq1(raw, arm), torque_limit=limit)
+        log = to_eq1(raw, arm)
+    log = log if arm.torque_limit is None else replace(log, torque_limit=np.array(arm.torque_limit))
     _check_signals(log, place)
     segments(log)  # refuses a log that is all gaps
     return log
@@ -168,6 +168,7 @@ def to_eq1(log: Log, arm: Arm) -> Log:
     turns = np.where(np.abs(np.abs(steps) - _TURN) < _WRAP * _TURN, np.sign(steps), 0.0)
     q = sign * (log.q - _TURN * np.cumsum(turns, axis=1) - zero)
     tau = sign * torque_sign * (log.tau - offset) / scale
+    limit = None if log.torque_limit is None else (log.torque_limit - np.abs(offset[:, 0])) / scale[:, 0]
     dq = None if log.dq is None else sign * log.dq
     wraps = [(joint, count) for joint, count in enumerate(np.count_nonzero(turns, axis=1), 1) if count]
     notes = [f"position of joint {joint} wraps by a full turn {count} times; unwrapped" for joint, count in wraps]
@@ -175,7 +176,7 @@ def to_eq1(log: Log, arm: Arm) -> Log:
         q = np.stack([q[0], q[1] - q[0]])
         dq = None if dq is None else np.stack([dq[0], dq[1] - dq[0]])
         notes.append("q2 was measured from the vertical; q1 is subtracted")
-    return replace(log, q=q, tau=tau, dq=dq, notes=(*log.notes, *notes))
+    return replace(log, q=q, tau=tau, dq=dq, torque_limit=limit, notes=(*log.notes, *notes))
 
 
 def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequence[int] | NDArray[np.int64]) -> None:

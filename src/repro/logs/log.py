@@ -40,7 +40,7 @@ class Log:
     simulated : bool
         Whether it comes from the simulated board.
     torque_limit : array of shape (2,), optional
-        Largest torque that the drives can give, N m.
+        Largest torque that is recorded where a drive is at its limit, N m.
     breaks : tuple of int
         Samples that begin a new piece behind a long gap, of a log that was made even.
     left_out : array of shape (2, N), optional
