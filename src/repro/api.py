@@ -342,7 +342,8 @@ def identify(
     described = arm if isinstance(arm, Arm) else read_arm(arm)
     names = choose_methods(method, len(logs), self_test)
     before = None if prior is None else read_prior(prior)
-    options = Options(names, Path(cache or network_cache()).expanduser(), filter, cutoff, seed, steps, before, friction)
+    networks = _expanded(Path(cache or network_cache()))
+    options = Options(names, networks, filter, cutoff, seed, steps, before, friction)
     if set(names) & set(NETWORKS):
         if with_plane(before, described) is not None:
             given = "prior" if before is not None else f"{described.file}: plane"
@@ -405,6 +406,8 @@ def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool
     if not n_logs:
         raise InputError.at("log", "no recording", "at least one")
     given = tuple(method) if isinstance(method, (list, tuple)) else (method,)
+    for one in given:
+        _check_kind("method", one, str, "a name or a list of names")
     names = tuple(dict.fromkeys(name for one in given for name in GROUPS.get(one, (one,))))
     unknown = [name for name in names if name not in GROUPS["all"]]
     if unknown or not names:
@@ -416,6 +419,13 @@ def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool
     if self_test and not set(names) - set(NETWORKS):
         raise InputError.at("self_test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
     return names
+
+
+def _expanded(cache: Path) -> Path:
+    try:
+        return cache.expanduser()
+    except RuntimeError as error:
+        raise InputError.at(f"cache: {cache}", "no such user", "a folder that can be written") from error
 
 
 def _check_cache(cache: Path) -> None:

@@ -133,7 +133,7 @@ def read_yaml(path: Path, expected: str, loader: type[Loader] = Loader) -> dict[
         raise
     except RecursionError as error:
         raise InputError.at(str(path), *_TOO_DEEP) from error
-    except (yaml.YAMLError, ValueError) as error:
+    except (yaml.YAMLError, ValueError, LookupError, TypeError, AttributeError) as error:  # of a tag that does not fit
         found = f"text that is not YAML ({' '.join(str(error).split())[:300]})"
         raise InputError.at(str(path), found, f"{expected} in YAML, each key once") from error
     if content is None:

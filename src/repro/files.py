@@ -68,7 +68,7 @@ def check_folder(out: Path, overwrite: bool) -> None:
 
 def _folder_near(out: Path) -> tempfile.TemporaryDirectory[str]:
     """Create a temporary folder on the disk of `out`."""
-    near = next(parent for parent in out.absolute().parents if os.path.lexists(parent))
+    near = next((parent for parent in out.absolute().parents if os.path.lexists(parent)), out)  # the root has none
     if out.exists() and out.stat().st_dev != near.stat().st_dev:  # another file system: files cannot be moved there
         near = out
     return tempfile.TemporaryDirectory(prefix=".repro-", suffix=".partial", dir=near)
@@ -125,6 +125,11 @@ def write_json(path: Path | str, content: object) -> None:
     write_text(path, json.dumps(content, indent=1, sort_keys=True, allow_nan=False) + "\n")
 
 
+def finite(content: object) -> Any:  # noqa: ANN401
+    """Convert content to what JSON can express, with null for NaN and infinity."""
+    return json.loads(json.dumps(content), parse_constant=lambda _: None)
+
+
 def csv_text(frame: pd.DataFrame) -> str:
     """Format a table without its index, numbers with ten significant digits."""
     return frame.to_csv(index=False, float_format=CSV_FLOAT_FORMAT, lineterminator="\n")
@@ -176,15 +181,15 @@ def read_rows(path: Path, columns: tuple[str, ...] = ()) -> list[dict[str, str]]
 def parse_rows(text: str, place: str, columns: tuple[str, ...] = ()) -> list[dict[str, str]]:
     """Split the text of a CSV table into rows; `place` is its name in messages."""
     try:
-        header, *lines = [*csv.reader(io.StringIO(text, newline=""), strict=True)] or [[]]
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        header, rows = next(reader, []), [(reader.line_num, row) for row in reader if row]
     except csv.Error as error:
         raise InputError.at(place, f"text that is not a table ({error})", "a CSV table") from error
     _check_header(place, header, columns)
-    rows = [line for line in lines if line]
-    for number, row in enumerate(rows, start=2):
+    for number, row in rows:
         if len(row) != len(header):
             raise InputError.at(f"{place}: line {number}", f"{len(row)} fields", f"{len(header)}, as in the header")
-    return [dict(zip(header, row, strict=True)) for row in rows]
+    return [dict(zip(header, row, strict=True)) for _, row in rows]
 
 
 def write_tensors(path: Path | str, arrays: Mapping[str, NDArray[Any]], header: dict[str, str] | None = None) -> None:

@@ -76,6 +76,12 @@ def test_the_table_is_in_the_angles_that_the_arm_records(tmp_path):
     assert np.abs(read.dq).max(1) == approx(eq1["speed_rad_s"], abs=1e-8)
 
 
+def test_what_eq_10_cannot_separate_is_null(tmp_path):
+    narrow = {"position_limit": [[-1, 1], [-0.01, 0.01]], "speed_limit": [0.05, 6]}
+    assert excite(tmp_path, "--duration", 2, "--rate", 100, "--harmonics", 6, **narrow) == 0
+    assert json.loads((tmp_path / "out/excite.json").read_text())["eq10"]["condition"] is None
+
+
 @pytest.mark.parametrize(
     ("options", "keys", "words"),
     [

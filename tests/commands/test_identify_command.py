@@ -191,10 +191,11 @@ def test_several_ports_are_recorded_into_files_of_their_own(tmp_path, monkeypatc
         (["socket://127.0.0.1:1", "-o", "out"], "socket://127.0.0.1:1: found one that cannot be opened"),
         (["log.csv", "-o", "out", "--cutoff", "90"], "--cutoff: found 90 Hz"),
         (["short.csv", "-o", "out"], "short.csv"),
+        (["validate_run.csv", "-o", "out"], "validate_run.csv: found No such file"),
         (["log.csv", "-o", "out", "--validate", "copy.csv"], "--validate: copy.csv: found the samples of log.csv"),
         (["log.csv", "copy.csv", "-o", "out"], "copy.csv: found the samples of log.csv, expected each log once"),
         (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "Algorithm 1 for several logs"),
-        (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "cache: log.csv"),
+        (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "--cache: log.csv"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, capsys, arguments, expected):
@@ -207,7 +208,7 @@ def test_bad_input_is_one_line_and_leaves_nothing(log, tmp_path, monkeypatch, ca
     before = sorted(Path().rglob("*"))
     assert identify(*arguments, "--method", "ordinary") == 2
     lines = capsys.readouterr().err.strip().splitlines()
-    assert expected in lines[-1] and "Traceback (most recent call last):" not in lines
+    assert f" {expected}" in f" {lines[-1]}" and "Traceback (most recent call last):" not in lines
     assert sorted(Path().rglob("*")) == before
     assert Path("full/kept.txt").read_text() == "mine"
 

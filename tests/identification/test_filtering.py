@@ -12,6 +12,7 @@ from regression_example import broadband, log_from, random_regressor, sinusoids,
 from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
+from repro.errors import InputError
 from repro.identification.filtering import (
     FILTERS,
     FilterSettings,
@@ -116,7 +117,7 @@ def test_interleaved_regressors_share_no_sample():
 def test_a_log_that_the_cuts_leave_nothing_of_is_refused(seconds):
     n = round(200 * seconds)
     short = replace(LOG, t=LOG.t[:n], q=LOG.q[:, :n], tau=LOG.tau[:, :n])
-    with pytest.raises(ValueError, match="leave nothing between cuts"):
+    with pytest.raises(InputError, match="leave nothing between cuts"):
         prepare(short, FilterSettings())
 
 

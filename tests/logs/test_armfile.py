@@ -53,6 +53,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
     [
         ("file: a.yaml\n", "file: found 'a.yaml', expected a key of an arm, with a value"),
         ("colour: red\n", "colour: found an unknown key, expected one of name, columns"),
+        ("self: 1\n", "self: found an unknown key, expected one of name, columns"),
         ("columns: {q3: a}\n", "columns.q3: found an unknown key, expected one of 'time', 'q1'"),
         ("units: {position: turns}\n", "units.position: found 'turns', expected 'rad', 'deg' or 'counts'"),
         ("units: deg\n", "units: found 'deg', expected units by kind of signal"),

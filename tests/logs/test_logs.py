@@ -75,8 +75,8 @@ SPELLINGS = {
     "quoted": ('"time"|"q1 [rad]"|"q2_rad"|dq1|dq2|"tau1"|tau2', (1, 1, 1, 1), {}),
     "effort": ("time|joint1.position|joint2.position|joint_1_velocity|joint_2_velocity|joint1.effort|effort2",
                (1, 1, 1, 1), {}),
-    "any names": ("Zeit|Schulter|Ellenbogen|wS|wE|MS [N cm]|ME [mNm]", (1, 1, 1, each(1e2, 1e3)),
-                  {"columns": {"time": "Zeit", "q1": "Schulter", "q2": "Ellenbogen", "dq1": "wS", "dq2": "wE",
+    "any names": ("PKT|Schulter|Ellenbogen|wS|wE|MS [N cm]|ME [mNm]", (1, 1, 1, each(1e2, 1e3)),
+                  {"columns": {"time": "PKT", "q1": "Schulter", "q2": "Ellenbogen", "dq1": "wS", "dq2": "wE",
                                "tau1": "MS [N cm]", "tau2": "ME [mNm]"}}),
     "measured": ("time|pos_meas1|pos_meas2|q1_dot|q2_dot|tau_meas1|tau2_measured", (1, 1, 1, 1), {}),
 }  # fmt: skip

@@ -23,7 +23,7 @@ GOOD = {"value": 1.0, "sd": 0.1}
 
 
 def test_a_prior_is_read_from_values_and_from_a_result():
-    prior = read_prior({"g1": GOOD, "k2": {"value": 0, "sd": 0}})
+    prior = read_prior({"g1": GOOD, "k2": {"value": np.int64(0), "sd": 0}})
     assert np.flatnonzero(np.isfinite(prior.sd)).tolist() == [3, 8]
     assert (prior.mean[3], prior.sd[3], prior.sd[8]) == (1.0, 0.1, 0.0)
     row = {"estimate": 2.0, "low": 1.804, "high": 2.196}
@@ -32,6 +32,9 @@ def test_a_prior_is_read_from_values_and_from_a_result():
     prior = read_prior({"recommended": "a", "methods": [{"method": "a", "parameters": rows}]})
     assert np.flatnonzero(~np.isfinite(prior.sd)).tolist() == [1]
     assert (prior.mean[0], prior.sd[0]) == pytest.approx((2.0, 0.1))
+    rows[0]["low"] = 2.2
+    with pytest.raises(InputError, match=r"I1.low: found 2.2, expected a number up to high, 2.196"):
+        read_prior({"recommended": "a", "methods": [{"method": "a", "parameters": rows}]})
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
     check_folder(arguments.out, arguments.overwrite)
     harmonics, noise, h = arguments.harmonics, np.array(arguments.noise), 1.0 / arguments.rate
-    with options_named("duration", "rate", "harmonics"):
+    with options_named("duration", "rate", "rate times duration", "harmonics"):
         steps = check_samples(arguments.duration, arguments.rate, harmonics)
     arm, guess = read_arm(arguments.arm), read_guess(arguments.guess)
     if arm.plane != "vertical":
@@ -119,7 +119,7 @@ def _write_files(folder: Path, content: dict[str, Any], motion: "Motion", limits
     import pandas as pd
 
     from repro.exhibits import panels, style
-    from repro.files import write_csv, write_json
+    from repro.files import finite, write_csv, write_json
 
     arm, series, columns = limits.arm, [], {"time_s": motion.time}
     own = np.array([[1.0, 0.0], [float(arm.second_joint_absolute), 1.0]]) * np.array(arm.sign)[:, None]
@@ -129,7 +129,7 @@ def _write_files(folder: Path, content: dict[str, Any], motion: "Motion", limits
         for j, joint in enumerate(panels.JOINTS):
             columns[name.format(j + 1)] = own[j] @ x + zero[j]
             series.append(pd.DataFrame({"panel": panel, "series": joint, "x": motion.time, "y": x[j]}))
-    write_json(folder / "excite.json", content)
+    write_json(folder / "excite.json", finite(content))  # Eq. 10 may not separate the parameters
     write_csv(folder / "motion.csv", pd.DataFrame(columns))
     with style.house_style():
         style.save(panels.draw_motion(pd.concat(series)), arm.name, folder / "motion.pdf", folder / "motion.png")

@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
                 raise InputError.at(option, repr(str(given)), "none, or the port of a board to record from")
     choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
     same = ("validate", "arm", "filter", "cutoff", "friction", "prior", "self_test", "seed", "steps", "cache")
-    with options_named("cutoff", "method", "validate", "cache"):
+    with options_named("cutoff", "method", "method Algorithm 1", "validate", "cache"):
         sources = [_source(arguments, place) for place in range(len(arguments.logs))]
         result = identify(sources, method=method, **{name: getattr(arguments, name) for name in same})
     files = result.save(arguments.out, arguments.overwrite)

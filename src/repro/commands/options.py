@@ -64,7 +64,8 @@ seconds = number(0.1, 3600.0, "a time in s")
 @contextmanager
 def options_named(*names: str) -> Iterator[None]:
     """Report these arguments of a function as the options that they are on the command line."""
+    places = tuple(f"{name}:" for name in names)  # a log may have the name of an option
     try:
         yield
     except InputError as error:
-        raise InputError(f"{'--' * str(error).startswith(names)}{error}") from error
+        raise InputError(f"{'--' * str(error).startswith(places)}{error}") from error

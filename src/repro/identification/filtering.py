@@ -20,6 +20,7 @@ from scipy.fft import dct, idct, idst, prev_fast_len, rfft, rfftfreq
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 
+from repro.errors import InputError
 from repro.identification.regression import Regression, correlation_time, joined, masked, solve
 from repro.logs.log import Log, kept, period
 from repro.logs.torque_limits import MOST_CONTAMINATED
@@ -156,7 +157,7 @@ def filtered_torque(tau: Array, h: float, settings: FilterSettings) -> Array:
 
 
 def retained_samples(log: Log, settings: FilterSettings) -> tuple[int, NDArray[np.intp]]:
-    """Number of samples that are filtered, and the indices of those that are kept; ValueError if none are."""
+    """Number of samples that are filtered, and the indices of those that are kept; InputError if none are."""
     h, n = period(log), log.t.size
     if n > MIN_SHORTENED_SAMPLES:  # a cosine transform of a length with large prime factors takes five times as long
         n = prev_fast_len(n)
@@ -164,7 +165,8 @@ def retained_samples(log: Log, settings: FilterSettings) -> tuple[int, NDArray[n
     step = max(int(1.0 / (settings.samples_per_cycle * settings.cutoff * h)), 1)
     keep = np.arange(margin, n - margin, step)
     if keep.size < 2:
-        raise ValueError(f"log: {n} samples leave nothing between cuts of {margin} at both ends.")
+        found = f"{n} samples, which leave nothing between cuts of {margin} at both ends"
+        raise InputError.at(log.name, found, "a longer log or a higher cut-off")
     return n, keep
 
 
@@ -178,7 +180,7 @@ def _interpolated(x: Array, at: Array) -> Array:
 
 
 def prepare(log: Log, settings: FilterSettings, even_odd: bool = True) -> Regression:
-    """Filter, cut and decimate each piece of a uniformly sampled log; ValueError if nothing remains."""
+    """Filter, cut and decimate each piece of a uniformly sampled log; InputError if nothing remains."""
     parts = [_piece(piece, settings, even_odd and settings.even_odd) for piece in log.pieces]
     return parts[0] if len(parts) == 1 else replace(joined(parts), t=np.concatenate([part.t for part in parts]))
 

@@ -89,7 +89,7 @@ def _one_line(cls: type[Any]) -> type[Any]:
     init = cls.__init__
 
     @wraps(init)
-    def checked(self: Any, *values: object, **given: object) -> None:  # noqa: ANN401
+    def checked(self: Any, /, *values: object, **given: object) -> None:  # noqa: ANN401
         try:
             init(self, *values, **{key: _plain(value) for key, value in given.items()})
         except ValidationError as invalid:

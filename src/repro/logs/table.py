@@ -35,7 +35,7 @@ _CONTROL = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 _OTHER_FORMATS = {
     (b"\xff\xfe\x00\x00", b"\x00\x00\xfe\xff"): ("UTF-32 text", "UTF-8 text, a CSV table"),
     (b"\xff\xfe", b"\xfe\xff"): ("UTF-16 text", "UTF-8 text, a CSV table"),
-    (b"PK", b"\x1f\x8b"): ("a compressed file or a spreadsheet", _EXPECTED),
+    (b"PK\x03\x04", b"\x1f\x8b"): ("a compressed file or a spreadsheet", _EXPECTED),
 }
 
 #: Line of the file, from 1, and as many cells as the header has, of each row.

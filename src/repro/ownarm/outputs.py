@@ -1,6 +1,5 @@
 """Write the files of a result; the report is one HTML text that opens anywhere and fetches nothing."""
 
-import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -12,7 +11,7 @@ from markupsafe import Markup, escape
 
 from repro.exhibits.markup import unit
 from repro.export import horizontal_links_of, links_of, mjcf, urdf
-from repro.files import fill_folder, write_csv, write_json, write_text
+from repro.files import fill_folder, finite, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.identification.extra_terms import ROTOR
 from repro.logs.armfile import Arm
@@ -41,8 +40,7 @@ def write_result(out: Path, result: Result, curves: Curves, arm: Arm, inputs: It
 
 
 def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
-    content = json.loads(json.dumps(asdict(result)), parse_constant=lambda _: None)  # null for NaN and infinity
-    write_json(folder / "parameters.json", content)
+    write_json(folder / "parameters.json", finite(asdict(result)))
     write_csv(folder / "parameters.csv", tables.parameters_table(result))
     write_csv(folder / "scores.csv", tables.scores_table(result))
     write_csv(folder / "residuals.csv", tables.residuals_table(result, curves))

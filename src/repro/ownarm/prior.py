@@ -46,6 +46,8 @@ def read_prior(source: str | Path | Mapping[str, Any]) -> Prior:
             ends = {end: parameter.get(end) for end in ("low", "high")}
             if None not in ends.values():
                 low, high = (_number(f"{place}: {NAMES[k]}.{end}", x, -LARGEST) for end, x in ends.items())
+                if low > high:
+                    raise InputError.at(f"{place}: {NAMES[k]}.low", low, f"a number up to high, {high}")
                 mean[k], sd[k] = parameter["estimate"], max((high - low) / (2.0 * HALF_95), SMALLEST_SD)
     elif isinstance(content, Mapping):
         for name, entry in content.items():
@@ -77,7 +79,7 @@ def with_plane(prior: Prior | None, arm: Arm) -> Prior | None:
 
 
 def _number(place: str, value: object, least: float) -> float:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     if not (number and least <= value <= LARGEST):  # type: ignore[operator]
         sizes = f"of at most {LARGEST:g}" if least < 0.0 else f"from 0 to {LARGEST:g}"
         raise InputError.at(place, repr(value)[:60], f"a number {sizes}")
