@@ -44,7 +44,7 @@ def test_a_hostile_name_is_text():
     hostile = method("ols", HOSTILE, notes=(HOSTILE,), citation=HOSTILE, fit=score(HOSTILE, 0.1, 0.2))
     result = replace(result, log=logs, methods=(hostile,), recommended="ols")
     curves = Curves((replace(example_curves().signals[0], name=HOSTILE),))
-    page = Page(render_page(result, curves, {"overlay-0": png()}, [HOSTILE]))
+    page = Page(render_page(result, curves, {"overlay-0": png(), "spectra-0": png()}, [HOSTILE]))
     assert not page.all("script")
     assert HOSTILE in page.all("h1")[0]["text"]
     assert HOSTILE in page.all("img")[0]["alt"]
