@@ -2,16 +2,13 @@
 
 import json
 import os
-from contextlib import suppress
-from pathlib import Path
 
 import pandas as pd
 import pytest
 from experiment_example import refused
 
 from repro.documents import read_json
-from repro.errors import InputError
-from repro.files import atomic_write, check_folder, parse_rows, read_csv, read_rows, write_csv, write_json, write_text
+from repro.files import atomic_write, parse_rows, read_csv, read_rows, write_csv, write_json, write_text
 
 
 class Interrupted(BaseException):
@@ -119,8 +116,3 @@ def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path):
     assert read_csv(path, ("a", "b")).to_dict("list") == {"a": [1], "b": [2.5]}
     assert read_rows(path, ("a", "b")) == [{"a": "1", "b": "2.5"}]
     assert refused(parse_rows, "a,b\n\n1,2\n3\n", "t.csv").startswith("t.csv: line 4: ")
-
-
-def test_the_root_is_a_folder():
-    with suppress(InputError):  # where it cannot be written
-        check_folder(Path("/"), overwrite=True)

@@ -115,6 +115,7 @@ def test_what_is_no_file_is_refused_by_every_command(tmp_path, refused):
         ["identify", CAPTURE, "--arm", pipe, "-o", out],
         ["identify", CAPTURE, "--validate", pipe, "-o", out],
         ["excite", "--arm", pipe, "-o", out],
+        ["excite", "--arm", pipe, "-o", "/", "--overwrite"],
         ["excite", "--arm", ROOT / "none.yaml", "--guess", pipe, "-o", out],
         ["check", pipe, "--config", CONFIG],
         ["record", "--trajectory", pipe, "--out", tmp_path / "x.bin", "--config", CONFIG],

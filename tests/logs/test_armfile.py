@@ -10,33 +10,17 @@ from experiment_example import refused
 from repro.errors import InputError
 from repro.logs.armfile import Arm, read_arm
 
+EVERY_KEY = """{name: pendulum, columns: {q1: a, tau2: b}, topic: /joint_states, counts_per_turn: [8400, 4096.5],
+units: {time: ms, position: counts, velocity: rpm, torque: A}, torque_constant: [0.6, -0.5], torque_offset: [0.1, -0.2],
+torque_scale: [1, 2], sign: [1, -1], torque_sign: [-1, 1], zero: [0, -1.5708], second_joint_absolute: true,
+torque_limit: [6, 5.5], position_limit: [[-1, 2], [0.5, 1]], speed_limit: [3, 4.5], workspace: [[-0.5, 0.5], [-1, 0]],
+plane: horizontal, gravity: 9.81, link_lengths: [0.3, 0.2], friction_steepness: auto, delay: 0.01}"""
+
 
 def test_every_key_of_an_arm_file_is_read(tmp_path):
-    content = {
-        "name": "pendulum",
-        "columns": {"q1": "a", "tau2": "b"},
-        "topic": "/joint_states",
-        "units": {"time": "ms", "position": "counts", "velocity": "rpm", "torque": "A"},
-        "counts_per_turn": [8400, 4096.5],
-        "torque_constant": [0.6, -0.5],
-        "torque_offset": [0.1, -0.2],
-        "torque_scale": [1, 2],
-        "sign": [1, -1],
-        "torque_sign": [-1, 1],
-        "zero": [0, -1.5708],
-        "second_joint_absolute": True,
-        "torque_limit": [6, 5.5],
-        "position_limit": [[-1, 2], [0.5, 1]],
-        "speed_limit": [3, 4.5],
-        "workspace": [[-0.5, 0.5], [-1, 0]],
-        "plane": "horizontal",
-        "gravity": 9.81,
-        "link_lengths": [0.3, 0.2],
-        "friction_steepness": "auto",
-        "delay": 0.01,
-    }
+    content = yaml.safe_load(EVERY_KEY)
     path = tmp_path / "arm.yaml"
-    path.write_text(yaml.safe_dump(content))
+    path.write_text(EVERY_KEY)
     arm = read_arm(path)
     assert {field.name for field in dataclasses.fields(Arm)} == {*content, "file"}
     for key, value in content.items():

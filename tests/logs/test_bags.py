@@ -30,10 +30,8 @@ def states(r=GOOD, names=("joint1", "joint2"), velocity=True, stamped=True):
         at = START + round(1e9 * t)
         stamp = Time(*divmod(at, 10**9)) if stamped else Time(0, 0)
         dq = r.dq[:, k].copy() if velocity else np.zeros(0)
-        yield (
-            at + (250_000_000 if stamped else 0),  # received late
-            JointState(Header(stamp, ""), list(names), r.q[:, k].copy(), dq, r.tau[:, k].copy()),
-        )
+        joints = JointState(Header(stamp, ""), list(names), r.q[:, k].copy(), dq, r.tau[:, k].copy())
+        yield at + (250_000_000 if stamped else 0), joints  # received late
 
 
 def write(folder, topics, storage="MCAP"):

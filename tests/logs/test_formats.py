@@ -55,13 +55,9 @@ def test_the_format_does_not_matter(file, separator, comma, header, twice, empty
             written.append(separator.join(f'"{cell}"' if comma and "," in cell else cell for cell in cells))
     log = read(file, written)
     assert_same(log, GOOD)
-    expected = [
-        (separator != ",", f"columns are separated by {NAMES[separator]}"),
-        (comma, "numbers have a decimal comma"),
-        (True, "the header states no unit"),
-        (holes, f"{len(holes)} row"),
-        (twice, f"{len(twice)} row"),
-    ]
+    decimals, unit = "numbers have a decimal comma", "the header states no unit"
+    expected = [(separator != ",", f"columns are separated by {NAMES[separator]}"), (comma, decimals), (True, unit)]
+    expected += [(holes, f"{len(holes)} row"), (twice, f"{len(twice)} row")]
     beginnings = [beginning for there, beginning in expected if there]
     assert len(log.notes) == len(beginnings)
     assert all(map(str.startswith, log.notes, beginnings))

@@ -1,7 +1,6 @@
 """One method on one problem: verdicts, intervals, consistency and scores."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 from unittest.mock import Mock
 
 import numpy as np
@@ -87,11 +86,9 @@ def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path,
 def test_intervals_are_doubted_from_their_limits_on(monkeypatch, left, by_friction, at_limit, delay, why):
     shares = {True: np.array(left), False: np.array(by_friction)}
     monkeypatch.setattr(prepare, "unexplained", lambda _, subset=None: shares[subset is None].copy())
-    recorded = {"recorded": np.arange(1000) < 1000.0 * np.array(at_limit)[:, None]}
-    monkeypatch.setattr(prepare, "saturated", recorded.get)
-    monkeypatch.setattr(prepare, "smoothed", lambda _: SimpleNamespace(noisy_joints=list))
-    parts = {"loaded": Mock(), "recorded": "recorded", "moving": None, "settings": SimpleNamespace(delay=delay)}
-    found = prepare._interval_doubt(SimpleNamespace(**parts), ARM)
+    monkeypatch.setattr(prepare, "saturated", {"recorded": np.arange(1000) < 1000.0 * np.array(at_limit)[:, None]}.get)
+    monkeypatch.setattr(prepare, "smoothed", lambda _: Mock(noisy_joints=list))
+    found = prepare._interval_doubt(Mock(recorded="recorded", settings=Mock(delay=delay)), ARM)
     assert found.startswith(why) and bool(found) == bool(why)
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
 from repro.ownarm import evaluate
 from repro.ownarm.evaluate import add_self_test, inverse_errors, self_test, synthetic_log
-from repro.ownarm.prepare import Options, prepare_logs
+from repro.ownarm.prepare import Options
 from repro.ownarm.problem import make_problem
 from repro.ownarm.text import self_test_verdict
 
@@ -120,17 +121,14 @@ def test_rounded_time_stamps_are_no_jitter():
 
 
 def test_logs_are_simulated_by_their_longest_pieces_and_prepared_together(monkeypatch):
-    """Missing samples make a piece the shorter one as it is recorded, and the longer one as it is resampled."""
-    whole, prepared = recorded().recorded, []
+    whole = recorded().recorded  # the piece with missing samples is the shorter one as it is recorded
     used = np.where(whole.t < 10.0, np.arange(whole.t.size) % 50 != 7, whole.t > 10.1)
     raw = replace(whole, t=whole.t[used], q=whole.q[:, used], tau=whole.tau[:, used])
     problem = make_problem((recorded(zero=0.05), replace(loaded(uniform(raw)), recorded=raw)), (), ARM, OPTIONS)
     monkeypatch.setattr(evaluate, "DRAWS", 1)
-    monkeypatch.setattr(evaluate, "prepare_logs", lambda *given: prepared.append(prepare_logs(*given)) or prepared[0])
+    monkeypatch.setattr(evaluate, "prepare_logs", Mock(wraps=evaluate.prepare_logs))
     ordinary_self_test(problem)
-    ((one, other),) = prepared
-    assert one.settings.delay == other.settings.delay
-    assert other.loaded.recorded.t.size == 1960
+    assert [log.recorded.t.size for log in evaluate.prepare_logs.call_args.args[0]] == [4000, 1960]
 
 
 def test_a_method_without_intervals_has_no_self_test(clean):
