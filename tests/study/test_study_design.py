@@ -11,9 +11,10 @@ from experiment_example import ROOT, changed, full_config, refused
 
 from repro.config import load_config
 from repro.pipeline.experiment import Recording, true_parameters
+from repro.pipeline.simulated_arms import is_within_limits
 from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream
-from repro.study.arms import Effects, choose, draw_law, excitation_program, with_friction
+from repro.study.arms import Effects, choose, draw_law, excitation_program, read_choice, with_friction
 from repro.study.design import FACTORS, cells, jobs
 
 CONFIG = full_config()
@@ -89,6 +90,18 @@ def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path, monkeypatch):
     study = {"excitations": ["optimal", "random"], "priors": ["narrow"], "arms": 2}
     config = changed(CONFIG, signals={"duration_s": 4.0}, study=study)
     message = refused(choose, config, tmp_path / "arms.safetensors")
-    assert "study.arms: found 2, expected at most 0, of 48 drawn" in message
-    uses = [(Stream.STUDY_MOTION, 1), (Stream.STUDY_MOTION, 0), *((Stream.STUDY_VALIDATION, 1, k) for k in range(2))]
-    assert [call.args[1:] for call in used.call_args_list] == [*uses, (Stream.STUDY_ARMS, 1)]
+    assert "study.arms: found 2, expected at most 0" in message
+    uses = [(Stream.STUDY_MOTION, 1), (Stream.STUDY_MOTION, 0), (Stream.STUDY_ARMS, 1)]
+    uses += [(Stream.STUDY_VALIDATION, 1, k) for k in range(2)]
+    assert [call.args[1:] for call in used.call_args_list] == uses
+
+
+def test_tested_arms_and_the_list_of_their_law_can_do_the_same_motions(tmp_path):
+    budget = {"posterior": {**CONFIG["study"]["posterior"], "steps": 12}}
+    study = {"excitations": ["eq10"], "priors": ["mismatched"], "arms": 2, **budget}
+    choose(config := changed(CONFIG, study=study), out := tmp_path / "arms.safetensors")
+    program, kept = read_choice(out, config, "eq10")
+    assert (kept["arms/mismatched"].shape, kept["law/wide"].shape) == ((2, 9), (12 * 512 // 30, 9))
+    drawn = draw_law("wide", np.random.default_rng(1), 200, config)
+    shares = [is_within_limits(config, with_friction(arms, 2.0), program).mean() for arms in (kept["law/wide"], drawn)]
+    assert shares[0] > 0.98 > 0.9 > shares[1]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from repro.cnn.image import ImageSettings, image_factors
-from repro.cnn.priors import AroundPrior, CarriedPrior, GuessSettings, Prior, sample_beta, training_guess
+from repro.cnn.priors import GuessSettings, ListedPrior, Prior, sample_beta, training_guess
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 from repro.signals.dct import SignalSettings, dct2dev, dct2low, dct2sub, image_regressor
@@ -98,7 +98,7 @@ def stack_motions(motions: Sequence[SampledMotion], model: Array | None = None) 
 class DataSettings:
     """Distribution of the training samples."""
 
-    prior: Prior | AroundPrior | CarriedPrior = "mixture"  # of the arms, see `repro.cnn.priors`
+    prior: Prior | ListedPrior = "mixture"  # of the arms, see `repro.cnn.priors`
     guess: GuessSettings = field(default_factory=GuessSettings)
     image: ImageSettings = field(default_factory=ImageSettings)
     #: Unit of parameters in labels and guesses: the largest torque, in which a right guess makes psi equal alpha as

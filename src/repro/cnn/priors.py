@@ -4,6 +4,7 @@ The published ranges (lengths to 0.1 m, masses to 1 kg) cannot give an I2 above 
 arms with I2 of 0.42 to 0.98. The default is therefore a mixture that covers both.
 """
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -54,38 +55,22 @@ DRAWS: dict[str, Law] = {
 MIXTURE = {"uniform": 0.5, "log-uniform": 0.25, "links": 0.25}
 
 
-@dataclass(frozen=True)
-class AroundPrior:
-    """Arms about a known one: each parameter times or divided by up to a factor, log-uniform."""
+@dataclass(frozen=True, eq=False, repr=False)
+class ListedPrior:
+    """Arms of a list, each as probable as any other."""
 
-    centre: tuple[float, ...]  # the nine parameters
-    factor: float
+    arms: Array  # (N, 9)
 
     def __call__(self, rng: np.random.Generator, n: int) -> Array:
         """Draw n parameter sets (n, 9)."""
-        return np.array(self.centre) * _log_uniform(rng, 1.0 / self.factor, self.factor, (n, len(self.centre)))
+        return self.arms[rng.integers(len(self.arms), size=n)]
+
+    def __repr__(self) -> str:
+        """Give a text that differs for other arms: it is a part of the fingerprint of a training."""
+        return f"ListedPrior({hashlib.sha256(self.arms.tobytes()).hexdigest()})"
 
 
-@dataclass(frozen=True)
-class CarriedPrior:
-    """Arms that motors can carry and a loop can hold: those of a law that meet both limits."""
-
-    largest_load: tuple[float, ...]  # of each joint by gravity and Coulomb friction, N m
-    least_inertia: tuple[float, ...]  # I1 and I3, kg m^2
-
-    def __call__(self, rng: np.random.Generator, n: int, law: Law = _links_beta) -> Array:
-        """Draw n parameter sets (n, 9)."""
-        arms = np.empty((0, 9))
-        while len(arms) < n:
-            beta = law(rng, 4 * n)
-            g1, g2, k1, k2 = beta[:, [3, 4, 7, 8]].T
-            load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
-            fit = (load <= self.largest_load).all(1) & (beta[:, [0, 2]] >= self.least_inertia).all(1)
-            arms = np.concatenate([arms, beta[fit]])
-        return arms[:n]
-
-
-def sample_beta(rng: np.random.Generator, n: int, prior: Prior | AroundPrior | CarriedPrior = "mixture") -> Array:
+def sample_beta(rng: np.random.Generator, n: int, prior: Prior | ListedPrior = "mixture") -> Array:
     """Draw n parameter sets (n, 9) of training arms, all positive."""
     if not isinstance(prior, str):
         return prior(rng, n)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from repro.cnn.dataset import SampledMotion, sample_motion, stack_motions
-from repro.cnn.priors import DRAWS, CarriedPrior, Law
+from repro.cnn.priors import DRAWS, Law
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.controller import simulate
@@ -73,15 +73,17 @@ def _built(rng: np.random.Generator, n: int) -> Array:
     return np.concatenate([inertial, viscous, 2.0 * coulomb], axis=1)
 
 
-def carried_prior(config: Config) -> CarriedPrior:
-    """Arms that the motors can carry and the loop can hold."""
-    t, full = config["data"]["tracked"], config["board"]["full_torque_nm"]
-    return CarriedPrior(tuple(t["load_share"] * torque for torque in full), tuple(t["least_inertia_kg_m2"]))
-
-
 def draw_arms(rng: np.random.Generator, n: int, config: Config, law: Law = DRAWS["links"]) -> Array:
     """The first `n` arms of a law that the motors can carry and the loop can hold."""
-    return carried_prior(config)(rng, n, law)
+    t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
+    arms = np.empty((0, 9))
+    while len(arms) < n:
+        beta = law(rng, 4 * n)
+        g1, g2, k1, k2 = beta[:, [3, 4, 7, 8]].T
+        load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
+        fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
+        arms = np.concatenate([arms, beta[fit]])
+    return arms[:n]
 
 
 draw_built_arms: Draw = partial(draw_arms, law=_built)

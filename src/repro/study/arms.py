@@ -1,6 +1,6 @@
 """Motions and arms of the study, what makes their torque differ from Eq. 1, and their recordings."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.cnn.priors import AroundPrior, CarriedPrior
 from repro.config import merged
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
@@ -19,7 +18,7 @@ from repro.logs.armfile import Arm
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording, limits, program_from_config, program_settings, true_parameters
 from repro.pipeline.job import Config
-from repro.pipeline.simulated_arms import Specimen, carried_prior, draw_built_arms, is_within_limits, run_loop, tracks
+from repro.pipeline.simulated_arms import Specimen, draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
@@ -29,8 +28,12 @@ from repro.study.design import FACTORS, TRAINED_ON, Cell
 
 #: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
 NARROW = 1.5
-#: Arms for each that is wanted: drawn, and simulated to see whether they track.
-DRAWN, SPARE = 24, 2
+#: Arms that are simulated for each that is wanted, to see whether they track.
+SPARE = 2
+#: Draws of a posterior's training for each arm in the list of its law.
+DRAWS_PER_ARM = 30
+#: Arms that are drawn at a time, and samples of a motion of which one is examined.
+PIECE, EVERY = 2000, 8
 #: The amplitude of the effects is found in so many steps, each by at most this factor.
 STEPS, LARGEST_STEP = 6, 5.0
 #: Harmonics of the D-optimal motion, its range of position (rad) and speed (rad/s), and its share of the torque limit
@@ -38,15 +41,11 @@ STEPS, LARGEST_STEP = 6, 5.0
 HARMONICS, RANGE, SPEED, TORQUE_SHARE = 8, 1.5, 5.0, 0.6
 
 
-def training_prior(law: str, config: Config) -> AroundPrior | CarriedPrior:
-    """Distribution of the arms that readers learn from."""
-    stored = AroundPrior(tuple(true_parameters(config).tolist()), NARROW)
-    return stored if law == "narrow" else carried_prior(config)
-
-
 def draw_law(law: str, rng: np.random.Generator, n: int, config: Config) -> Array:
     """Parameters (n, 9) of arms from the law of a prior."""
-    return draw_built_arms(rng, n, config) if law == "mismatched" else training_prior(law, config)(rng, n)
+    if law == "narrow":
+        return true_parameters(config) * np.exp(rng.uniform(-np.log(NARROW), np.log(NARROW), (n, 9)))
+    return {"wide": draw_arms, "mismatched": draw_built_arms}[law](rng, n, config)
 
 
 def prior_stream(config: Config, name: Stream, prior: str, *index: int) -> np.random.Generator:
@@ -127,29 +126,44 @@ def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
 
 
 def choose(config: Config, out: Path) -> None:
-    """Write the excitations, and the arms of each prior that can do all motions of the study."""
+    """Write the excitations, the arms of each prior that are tested, and a list of those of each law to learn from."""
     s = config["study"]
     excitations = {name: excitation_program(config, name) for name in s["excitations"]}
     kept: dict[str, NDArray[Any]] = {}
     for prior in s["priors"]:
-        validation = {(p.name, p.q.tobytes()): p for k in range(s["arms"]) for p in _validation(config, prior, k)}
-        drawn = draw_law(prior, prior_stream(config, Stream.STUDY_ARMS, prior), DRAWN * s["arms"], config)
-        for program in (*excitations.values(), *validation.values()):
-            drawn = drawn[is_within_limits(config, with_friction(drawn, max(s["frictions"])), program)]
-        drawn = drawn[: SPARE * s["arms"]]
+        drawn = _able(prior, Stream.STUDY_ARMS, SPARE * s["arms"], config, excitations)
         for program in excitations.values():
             for factor in (min(s["frictions"]), max(s["frictions"])):
                 if len(drawn):
                     position, _ = run_loop(config, with_friction(drawn, factor), program.q, quick=True)
                     drawn = drawn[tracks(config, position, program)]
         if len(drawn) < s["arms"]:
-            found = f"at most {len(drawn)}, of {DRAWN * s['arms']} drawn ones that can do all motions"
-            raise InputError.at("study.arms", s["arms"], found)
+            raise InputError.at("study.arms", s["arms"], f"at most {len(drawn)}, which follow all motions")
         kept[f"arms/{prior}"] = drawn[: s["arms"]]
+    listed = s["posterior"]["steps"] * s["posterior"]["batch"] // DRAWS_PER_ARM
+    for law in {TRAINED_ON[prior]: None for prior in s["priors"]}:
+        kept[f"law/{law}"] = _able(law, Stream.STUDY_LAW, listed, config, excitations)
     for name, program in excitations.items():
         kept[f"motion/{name}"] = program.q.astype(np.float32)  # as the board receives it
         kept[f"proper/{name}"] = np.array([program.n1, program.n2], dtype=np.int32)
     write_tensors(out, kept)
+
+
+def _able(prior: str, use: Stream, n: int, config: Config, excitations: Mapping[str, ReferenceTrajectory]) -> Array:
+    """The first n arms of a prior whose motors can do all its motions, examined at every `EVERY`-th sample."""
+    s, rng, able = config["study"], prior_stream(config, use, prior), [np.empty((0, 9))]
+    validation = {(p.name, p.q.tobytes()): p for k in range(s["arms"]) for p in _validation(config, prior, k)}
+    motions = [*excitations.values(), *validation.values()]
+    thin = [replace(p, q=p.q[:, ::EVERY], n1=p.n1 // EVERY, n2=p.n2 // EVERY, h=p.h * EVERY) for p in motions]
+    while sum(map(len, able)) < n:
+        beta = draw_law(prior, rng, PIECE, config)
+        for program in thin:
+            beta = beta[is_within_limits(config, with_friction(beta, max(s["frictions"])), program)]
+        if not len(beta):
+            found = f"at most 0, as none of {PIECE} drawn ones can do all motions"
+            raise InputError.at("study.arms", s["arms"], found)
+        able.append(beta)
+    return np.concatenate(able)[:n]
 
 
 def _validation(config: Config, prior: str, k: int) -> list[ReferenceTrajectory]:

@@ -17,6 +17,7 @@ from scipy.special import ndtr
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
 from repro.cnn.network import save_network
 from repro.cnn.plain import Flow, PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
+from repro.cnn.priors import ListedPrior
 from repro.cnn.train import train
 from repro.files import read_tensors, write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
@@ -39,14 +40,12 @@ from repro.streams import Stream, stream
 from repro.study.arms import (
     Effects,
     choose,
-    draw_law,
     excitation_config,
     least_squares_similarity,
     prior_stream,
     read_choice,
     record,
     specimens,
-    training_prior,
 )
 from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs, trained
 
@@ -56,10 +55,10 @@ SEARCHED: dict[str, ImageMotion] = {ALGORITHM1: "measured", TRACKED: "desired"}
 SHRINKAGE = 0.1
 
 
-def _data(config: Config, law: str, unmodelled: bool) -> DataSettings:
-    """Distribution of training samples of a law, with the study's torque beyond Eq. 1 or without any."""
+def _data(config: Config, arms: Array, unmodelled: bool) -> DataSettings:
+    """Distribution of training samples of listed arms, with the study's torque beyond Eq. 1 or without any."""
     effects = UnmodelledSettings(**config["study"]["unmodelled"]) if unmodelled else UnmodelledSettings()
-    return replace(data_settings(config), prior=training_prior(law, config), unmodelled=effects)
+    return replace(data_settings(config), prior=ListedPrior(arms), unmodelled=effects)
 
 
 def make_arms(choice: Path, training: Sequence[Path], config: Config) -> None:
@@ -72,10 +71,11 @@ def make_arms(choice: Path, training: Sequence[Path], config: Config) -> None:
 def _simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Config) -> None:
     """Simulate the arms that readers of an excitation and a law learn from; keep what training needs of them."""
     c, s = excitation_config(config, excitation), config["study"]
-    program, _ = read_choice(choice, config, excitation)
+    program, chosen = read_choice(choice, config, excitation)
     signals, n, proper = signal_settings(c), s["training_arms"], slice(program.n1, program.n2)
-    rng = stream(s["seed"], Stream.STUDY_TRAINING_ARMS, int(law == "narrow"))
-    beta = draw_law(law, rng, n, config)
+    rng = prior_stream(config, Stream.STUDY_TRAINING_ARMS, law)
+    arms = chosen[f"law/{law}"]
+    beta = arms[:n]
     effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, 3.0, n))
     tracks, errors = [], []
     recordings = record(c, beta, [program] * n, effects, f"arms to train on, {excitation}, {law}")
@@ -88,11 +88,11 @@ def _simulate_training(excitation: str, law: str, choice: Path, out: Path, confi
         errors.append(error / np.sqrt(np.mean(error**2)))
     ideal = sampled_tracks([program.q], program, signals)
     tracked = sampled_tracks(tracks, program, signals, unmodelled=True, desired=True)
-    draws = draw_torques(rng, 4000, tracked, _data(config, law, unmodelled=False))[1]
+    draws = draw_torques(rng, 4000, tracked, _data(config, arms, unmodelled=False))[1]
     covariance = np.cov(np.array(errors).T)
     white = np.eye(len(covariance)) * np.trace(covariance) / len(covariance)
     kept = {f"unmodelled/{name}": array for name, array in vars(tracked.unmodelled).items()}
-    kept |= {"ideal/torque": ideal.torque[0], "ideal/model": ideal.model[0]}
+    kept |= {"arms": arms, "ideal/torque": ideal.torque[0], "ideal/model": ideal.model[0]}
     kept |= {"tracked/torque": tracked.torque, "tracked/model": tracked.model}
     kept |= {"error_covariance": (1.0 - SHRINKAGE) * covariance + SHRINKAGE * white}
     kept |= {"prior_mean": draws.mean(axis=0), "prior_covariance": np.cov(draws.T)}
@@ -110,7 +110,7 @@ def train_reader(
     else:
         columns = UnmodelledColumns(*(kept[f"unmodelled/{name}"] for name in ("stribeck", "ripple", "rate")))
         motion = SampledMotion(kept["tracked/torque"], kept["tracked/model"], columns)
-    data = _data(config, law, unmodelled=network != ALGORITHM1)
+    data = _data(config, kept["arms"], unmodelled=network != ALGORITHM1)
     posterior = motion, data, plain_settings(s["posterior"]), s["seed"], progress
     if network == FLOW:
         make = partial(Flow, mean=kept["prior_mean"], covariance=kept["prior_covariance"])
