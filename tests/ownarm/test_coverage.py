@@ -2,54 +2,26 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+from board_arms import CONFIG, multisine, random_arms, recorded
 from ownarm_problem import loaded
 
-from repro.config import load_config
-from repro.fpga.controller import simulate
-from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.fpga.plant import Plant, Unmodelled
+from repro.fpga.plant import Unmodelled
 from repro.identification.extra_terms import CONSTANTS
 from repro.identification.least_squares import METHODS
 from repro.identification.uncertainty import bootstrap
 from repro.logs.armfile import Arm
-from repro.logs.log import Log
-from repro.model.parameters import is_positive_definite
 from repro.ownarm.prepare import Options
 from repro.ownarm.problem import make_problem
-from repro.pipeline.experiment import control_constants, program_from_config, true_parameters
+from repro.pipeline.experiment import program_from_config
 from repro.streams import Stream, stream
 
 pytestmark = pytest.mark.slow
 
-CONFIG = load_config(Path(__file__).resolve().parents[2] / "config" / "config.yaml")
-#: Samples of a recording, 10 s, and the time between two, s.
-SAMPLES, H = 4096, 2.5e-3
+SAMPLES = 4096  # of a recording, 10 s
 claiming = pytest.mark.parametrize("method", [m for m in METHODS.values() if m.claims_intervals], ids=lambda m: m.name)
-
-
-def random_arms(count, rng):
-    """Parameters within a factor 1.65 of the configured arm's, each with a positive-definite M(q), shape (count, 9)."""
-    arms = []
-    while len(arms) < count:
-        beta = true_parameters(CONFIG) * np.exp(rng.uniform(-0.5, 0.5, 9))
-        if is_positive_definite(beta):
-            arms.append(beta)
-    return np.array(arms)
-
-
-def multisine(rng):
-    """Desired position of both joints, shape (2, SAMPLES): twelve harmonics of 0.1 Hz, starting from rest at zero."""
-    t = H * np.arange(SAMPLES)
-    harmonics = np.arange(1, 13)
-    size = rng.normal(size=(2, 12)) / np.sqrt(harmonics)
-    phase = rng.uniform(0.0, 2.0 * np.pi, (2, 12, 1))
-    q = np.einsum("jk,jkn->jn", size, np.sin(0.2 * np.pi * np.outer(harmonics, t) + phase))
-    q *= np.array([[1.0], [1.2]]) / np.abs(q).max(axis=1, keepdims=True)
-    return q - q[:, :1] * np.exp(-t / 0.3)
 
 
 def badly_set_up(log, rng):
@@ -70,14 +42,11 @@ def arms_and_problems(count, seed, wrong):
     arms = random_arms(count, rng)
     half = count // 2
     eq10 = program_from_config(CONFIG, "ID").q[:, :SAMPLES]
-    desired = np.stack([multisine(rng) for _ in range(half)] + half * [eq10])
+    desired = np.stack([multisine(rng, SAMPLES) for _ in range(half)] + half * [eq10])
     most = np.array([0.5, 0.1]) if wrong else np.zeros(2)
     levels = most * rng.uniform(size=(count, 2))
     beyond = [Unmodelled(stribeck=(s, s), stribeck_velocity=0.3, ripple=(r, r), ripple_cycles=11.0) for s, r in levels]
-    control = control_constants(CONFIG)
-    position, pwm = simulate(Plant(arms, H, beyond, quick=True), control, desired)
-    q, tau = RADIANS_PER_COUNT * position, pwm * control.torque_per_count[:, np.newaxis]
-    logs = [Log(name="log", t=H * np.arange(SAMPLES), q=q[k], tau=tau[k], simulated=True) for k in range(count)]
+    logs = recorded(arms, desired, beyond, quick=True)
     if wrong:
         logs = [badly_set_up(log, rng) for log in logs]
     problems = [make_problem((loaded(log),), (), Arm(), Options(tuple(METHODS), "unused")) for log in logs]

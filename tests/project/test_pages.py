@@ -1,5 +1,6 @@
 """What the project says of itself agrees: its two citation files, and the names that its pages send readers to."""
 
+import ast
 import json
 import pydoc
 import re
@@ -38,10 +39,15 @@ def test_links_within_the_project_lead_somewhere(page):
     assert not [target for target in targets if not (page.parent / target).is_file()]
 
 
-def test_each_benchmark_is_listed():
+def test_each_benchmark_is_listed_and_what_it_imports_is_there(monkeypatch):
     page = (ROOT / "benchmarks/README.md").read_text(encoding="utf-8")
-    scripts = [path.relative_to(ROOT / "benchmarks").as_posix() for path in (ROOT / "benchmarks").rglob("*.py")]
-    assert not [name for name in scripts if f"`{name}" not in page]
+    for folder in ("tests", "benchmarks", "benchmarks/slurm"):
+        monkeypatch.syspath_prepend(ROOT / folder)
+    for path in (ROOT / "benchmarks").rglob("*.py"):
+        assert f"`{path.relative_to(ROOT / 'benchmarks').as_posix()}" in page
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert not [a.name for a in node.names if pydoc.locate(f"{node.module}.{a.name}") is None], path.name
 
 
 def test_each_page_is_in_the_navigation_of_the_site():
