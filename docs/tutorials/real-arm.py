@@ -79,7 +79,7 @@ result.plot(log=1)
 # %% [markdown]
 # ## Use the model
 #
-# `predict` computes the torque that a motion needs. Held still with link 1 level and link 2 hanging on in line, the
+# `predict` computes the torque that a motion needs. With the arm at rest, link 1 level and link 2 in line with it, the
 # arm needs the sum of both gravity terms at joint 1 and g2 at joint 2:
 
 # %%
