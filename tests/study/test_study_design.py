@@ -97,11 +97,10 @@ def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path, monkeypatch):
 
 
 def test_tested_arms_and_the_list_of_their_law_can_do_the_same_motions(tmp_path):
-    budget = {"posterior": {**CONFIG["study"]["posterior"], "steps": 12}}
-    study = {"excitations": ["eq10"], "priors": ["mismatched"], "arms": 2, **budget}
+    study = {"excitations": ["eq10"], "priors": ["mismatched"], "arms": 2, "training_arms": 20}
     choose(config := changed(CONFIG, study=study), out := tmp_path / "arms.safetensors")
     program, kept = read_choice(out, config, "eq10")
-    assert (kept["arms/mismatched"].shape, kept["law/wide"].shape) == ((2, 9), (12 * 512 // 30, 9))
+    assert (kept["arms/mismatched"].shape, kept["law/wide"].shape) == ((2, 9), (160 * 20, 9))
     drawn = draw_law("wide", np.random.default_rng(1), 200, config)
     shares = [is_within_limits(config, with_friction(arms, 2.0), program).mean() for arms in (kept["law/wide"], drawn)]
     assert shares[0] > 0.98 and shares[1] < 0.9

@@ -30,8 +30,8 @@ from repro.study.design import FACTORS, TRAINED_ON, Cell
 NARROW = 1.5
 #: Arms that are simulated for each that is wanted, to see whether they track.
 SPARE = 2
-#: Draws of a posterior's training for each arm in the list of its law.
-DRAWS_PER_ARM = 30
+#: Arms in the list of a law for each that is simulated to train on.
+LISTED = 160
 #: Arms that are drawn at a time, and samples of a motion of which one is examined.
 PIECE, EVERY = 2000, 8
 #: The amplitude of the effects is found in so many steps, each by at most this factor.
@@ -140,9 +140,8 @@ def choose(config: Config, out: Path) -> None:
         if len(drawn) < s["arms"]:
             raise InputError.at("study.arms", s["arms"], f"at most {len(drawn)}, which follow all motions")
         kept[f"arms/{prior}"] = drawn[: s["arms"]]
-    listed = s["posterior"]["steps"] * s["posterior"]["batch"] // DRAWS_PER_ARM
     for law in {TRAINED_ON[prior]: None for prior in s["priors"]}:
-        kept[f"law/{law}"] = _able(law, Stream.STUDY_LAW, listed, config, excitations)
+        kept[f"law/{law}"] = _able(law, Stream.STUDY_LAW, LISTED * s["training_arms"], config, excitations)
     for name, program in excitations.items():
         kept[f"motion/{name}"] = program.q.astype(np.float32)  # as the board receives it
         kept[f"proper/{name}"] = np.array([program.n1, program.n2], dtype=np.int32)
