@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pandas as pd
 import pytest
-from claims_example import CONFIG, LOSS, SEEDS, write_results
+from claims_example import CONFIG, SEEDS, write_results
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -144,6 +144,13 @@ def test_a_row_adds_up(published, value, spread):
 CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 
+#: Numbers whose other side is a literal, so that no change of ours can break them.
+LITERAL = {
+    *("eq09/torque-factor", "section4b/output-low", "section4b/output-high", "algorithm1/joint-weight"),
+    *("section4a/band-low", "section3/position-low", "section3/position-high"),
+}
+
+
 @pytest.mark.slow
 def test_what_is_asserted_follows_the_rule(claims):
     kinds = {number.id: number.kind for number in PUBLISHED}
@@ -155,7 +162,7 @@ def test_what_is_asserted_follows_the_rule(claims):
     assert set(claims.loc[claims["kind"] == "deterministic", "verdict"]) == {"reproduced"}
     for name, row in claims.iterrows():
         by_kind = kinds[name.partition("@")[0]] in ("setting", "exact", "deterministic") and compared[name]
-        expected = "reproduced" if by_kind or name in (*ASSERTED, "section5a/loss") else ""
+        expected = "reproduced" if (by_kind and name not in LITERAL) or name in ASSERTED else ""
         assert row["asserted"] == ("differs" if name == CENTRAL else expected), name
         assert row["must"] == (row["asserted"] == "reproduced")
     cells = ["table08/ID/total/joint1", "table08/ID/total/joint2"]
@@ -248,7 +255,7 @@ def failing(stored):
     """The ledger of results for which two claims fail."""
     results = Results(stored)
     alter(results, "tables/table10.csv", "total", 1.01 * 0.98, method="algorithm1", case=["T1", "T2", "T3", "T4"])
-    alter(results, "model/training.csv", "test_loss", 0.00101, test_loss=LOSS)
+    alter(results, "tables/table06.csv", "total", 0.94, method="algorithm1")
     alter(results, "tables/table09.csv", "estimate", 0.0, method="algorithm1", parameter="k2")
     alter(results, "tables/table09.csv", "estimate", 0.3, method="least-squares", parameter="b2")
     alter(results, "tables/table09.csv", "estimate", -0.08, method="algorithm1", parameter="b1")
@@ -260,11 +267,11 @@ def test_claims_that_do_not_hold_are_named(failing, claims):
     assert broken(claims.reset_index()).empty
     assert failing.loc[CENTRAL, ["ours", "verdict"]].tolist() == [pytest.approx(1.01), "reproduced"]
     rows = failing.reset_index()
-    assert set(broken(rows)["id"]) == {CENTRAL, "section5a/loss"}
-    lines = [line for line in claims_module.summary(rows) if line.startswith("not as asserted: section5a/loss")]
-    assert len(lines) == 1 and all(part in lines[0] for part in ("differs", "reproduced", "1e-3", "0.00101"))
+    assert set(broken(rows)["id"]) == {CENTRAL, "abstract/numeric/total"}
+    lines = [line for line in claims_module.summary(rows) if line.startswith("not as asserted: abstract/numeric/total")]
+    assert len(lines) == 1 and all(part in lines[0] for part in ("differs", "reproduced", "97.38", "94"))
     page = claims_module.markdown(rows, specificity(rows, PUBLISHED))
-    assert "| section5a/loss |" in page.split("## What differs")[0]
+    assert "| abstract/numeric/total |" in page.split("## What differs")[0]
 
 
 @pytest.mark.parametrize(

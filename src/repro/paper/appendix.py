@@ -22,7 +22,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from repro.model.parameters import STANDARD_GRAVITY, Array, is_positive, is_positive_definite
-from repro.model.stability import LyapunovSettings, stability_constants
+from repro.model.stability import LyapunovSettings, eigenvalue_range, stability_constants
 from repro.paper.finding import Check, Finding
 from repro.paper.published import Published, PublishedValue, load_published
 
@@ -157,3 +157,14 @@ def s1_corner(c: Check) -> Finding:
     constants = stability_constants(appendix_arm())
     half = 0.5 * constants.lambda_m_min
     return c.compares(1.0, 0.5, False, tolerance=0.0, s1_min=constants.s1_min, half=half)
+
+
+def s2_corner(c: Check) -> Finding:
+    """Compare the largest eigenvalue of S2 with that of the upper bound of Eq. 3: 1 - cos x is at most x^2 / 2."""
+    beta, e = appendix_arm(), c.epsilon
+    m_min, m_max = stability_constants(beta).lambda_m_min, stability_constants(beta).lambda_m_max
+    g1, g2 = beta[3:5].tolist()
+    q_max = eigenvalue_range(g1 + g2, g2, g2)[1]
+    printed = eigenvalue_range(c.rho * q_max, 0.5 * e * m_min, m_max)[1]
+    needed = eigenvalue_range(0.5 * q_max, 0.5 * e * m_max, 0.5 * m_max)[1]
+    return c.compares(needed, printed, printed >= needed, ratio=math.sqrt(printed / needed))

@@ -234,6 +234,7 @@ CHECKS: dict[str, Callable[[Check], Finding | list[Finding]]] = {
     "appendix/sine": appendix.sine,
     "appendix/tanh": appendix.tanh,
     "appendix/s1-corner": appendix.s1_corner,
+    "appendix/s2-corner": appendix.s2_corner,
 }
 
 

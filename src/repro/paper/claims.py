@@ -28,7 +28,7 @@ VERDICTS = {
     REPRODUCED: "within a tolerance that was stated in advance and that the number of another case would fail",
     BETTER: "better by more than the tolerance, on the paper's own arms",
     DIFFERS: "different by more than the tolerance",
-    INCONCLUSIVE: "compatible, but our scatter or bounds are too wide, or another case would pass as well",
+    INCONCLUSIVE: "compatible or better, but our scatter or bounds are too wide, or another case would pass as well",
     NOT_COMPARABLE: "better, but on a simulated arm that may be an easier one",
     CONTRADICTS: "other numbers of the paper contradict it, by as much as ours differs",
     NOT_RUN: "a setting of the paper that the default run does not use",
@@ -58,6 +58,8 @@ LEFT_OUT = "other-work"
 #: Stands between the id of a published number and the name of an extension of ours that is held against it too.
 EXTENSION = "@"
 
+#: Relations of a number that others are to be above or below of.
+LIMITS = ("above", "below")
 #: How much of a number rounding in binary can blur.
 _ROUNDING = 1e-9
 
@@ -99,12 +101,13 @@ def _tolerance(printed: PublishedValue, ours: OurValue) -> tuple[float, str]:
     """Tolerance of a difference, and where it comes from."""
     if ours.strict:
         return 0.0, "none: compared as it stands"
-    interval, margin = printed.half_step + _scatter(ours), printed.half_step + ours.equivalent
+    step = printed.half_step if printed.relation not in LIMITS else 0.0  # a limit is exact
+    interval, margin = step + _scatter(ours), step + ours.equivalent
     if ours.bounds:
         return interval, "bounds of ours"
     if margin > interval:
         return margin, "equivalence margin"
-    return interval, "95 % prediction interval" if interval > printed.half_step else "print precision"
+    return interval, "95 % prediction interval" if interval > step else "print precision"
 
 
 def _verdict(printed: PublishedValue, ours: OurValue, basis: Basis, tolerance: float, others: Iterable[float]) -> str:
@@ -146,17 +149,23 @@ def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ())
 
 
 def other_cases(numbers: Iterable[PublishedValue]) -> dict[str, tuple[float, ...]]:
-    """Published values of the same quantity for other cases, by the id of the number."""
+    """Published values of the same quantity for other cases, by the id of the number; for a limit, of both joints."""
+    compared = [n for n in numbers if n.case and n.kind != LEFT_OUT and n.relation in ("is", *LIMITS)]
     groups: dict[tuple[object, ...], list[PublishedValue]] = {}
-    for number in numbers:
-        if number.case and number.relation == "is" and number.kind != LEFT_OUT:
-            same = number.kind, number.quantity, number.method, number.joint, number.parameter
-            groups.setdefault(same, []).append(number)
-    return {
-        number.id: tuple(other.value for other in group if other.case != number.case)
-        for group in groups.values()
-        for number in group
-    }
+    for number in compared:
+        if number.relation == "is":
+            groups.setdefault(_quantity(number), []).append(number)
+    others = {}
+    for number in compared:
+        group = [n for n in groups.get(_quantity(number), ()) if number.relation in LIMITS or n.joint == number.joint]
+        if any(other.case == number.case for other in group):
+            others[number.id] = tuple(other.value for other in group if other.case != number.case)
+    return others
+
+
+def _quantity(number: PublishedValue) -> tuple[object, ...]:
+    """What numbers of several cases and joints have in common."""
+    return number.kind, number.quantity, number.method, number.parameter
 
 
 def judge_all(numbers: Iterable[PublishedValue], ours: Mapping[str, OurValue]) -> pd.DataFrame:

@@ -5,6 +5,7 @@ import hashlib
 import logging
 import math
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -62,12 +63,13 @@ def our_values(published: Published, config: Mapping[str, Any], results: Results
         value = values[""]
         finding = refuted.get(number.id)
         if finding is not None:
-            size = abs(finding.found - finding.printed)
+            size = abs(finding.found - finding.printed) / (math.pi if number.unit == "pi rad" else 1.0)
             size = math.inf if math.isnan(size) else size  # words contradict each other
             value = replace(value, contradicts=_sentence(finding), contradiction=size)
         elif number.id in impossible:
             value = replace(value, note=f"{value.note}; not possible: {impossible[number.id]}")
-        if number.kind in ASSERTED_KINDS and not (math.isnan(value.value) or finding or value.unused):
+        literal = re.search(r"[A-Za-z_]", number.ours.rpartition(":")[2]) is None  # no value of ours is in it
+        if number.kind in ASSERTED_KINDS and not (math.isnan(value.value) or finding or value.unused or literal):
             value = replace(value, asserted=REPRODUCED)
         ours |= {number.id + suffix: side for suffix, side in {**values, "": value}.items()}
     for name in ASSERTED:
