@@ -11,16 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import seeds
 
-from repro.cnn.dataset import (
-    STRIBECK_VELOCITY,
-    DataSettings,
-    SampledMotion,
-    UnmodelledSettings,
-    draw_samples,
-    draw_unmodelled,
-    sample_motion,
-    stack_motions,
-)
+from repro.cnn import dataset
+from repro.cnn.dataset import DataSettings, UnmodelledSettings, draw_unmodelled, sample_motion, stack_motions
 from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings, Prior
 from repro.model.dynamics import LAMBDA, inverse_dynamics
@@ -39,7 +31,7 @@ FAR = GuessSettings(exact_share=0.0, near_share=0.0)
 
 
 def draw(seed=0, n=8, motion=SAMPLED, **choices):
-    return draw_samples(np.random.default_rng(seed), n, motion, DataSettings(**choices))
+    return dataset.draw_samples(np.random.default_rng(seed), n, motion, DataSettings(**choices))
 
 
 def alpha_psi(samples):
@@ -85,7 +77,7 @@ def test_guess_and_label_together_rebuild_the_torque_of_the_image(label, toleran
 
 @given(seeds)
 def test_right_guess_has_label_zero_and_psi_equal_to_alpha(seed):
-    same = SampledMotion(SAMPLED.model, SAMPLED.model)  # a torque that f rebuilds without error
+    same = dataset.SampledMotion(SAMPLED.model, SAMPLED.model)  # a torque that f rebuilds without error
     samples = draw(seed, motion=same, image=BARE, guess=EXACT)
     alpha, psi = alpha_psi(samples)
     np.testing.assert_array_equal(samples.residual, 0.0)
@@ -110,7 +102,7 @@ def subsampled(x, signals=SIGNALS):
 
 
 def test_stribeck_friction_adds_to_coulomb_friction():
-    fade = np.tanh(LAMBDA * MOTION.dq) - np.tanh(MOTION.dq / STRIBECK_VELOCITY)
+    fade = np.tanh(LAMBDA * MOTION.dq) - np.tanh(MOTION.dq / dataset.STRIBECK_VELOCITY)
     for arm, found in zip(BETA, torque(UnmodelledSettings(stribeck=0.3)), strict=True):
         np.testing.assert_allclose(found, subsampled(0.3 * arm[7:, np.newaxis] * fade), atol=1e-12)
 

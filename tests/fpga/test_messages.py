@@ -12,30 +12,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from strategies import cut, seeds
 
+from repro.fpga import messages
 from repro.fpga.controller import ControlConstants
 from repro.fpga.frames import encode
-from repro.fpga.messages import (
-    Message,
-    MessageDecoder,
-    MessageKind,
-    encode_gains,
-    encode_identity,
-    encode_message,
-    encode_program,
-    encode_start,
-    encode_trajectory,
-    parse_gains,
-    parse_identity,
-    parse_start,
-    parse_trajectory,
-)
+from repro.fpga.messages import Message, MessageKind, parse_gains, parse_identity, parse_start, parse_trajectory
 from repro.signals.programs import MEMORY_SAMPLES
 
-STOP = encode_message(MessageKind.STOP)
+STOP = messages.encode_message(MessageKind.STOP)
 
 
 def split(data, sizes=()):
-    decoder = MessageDecoder()
+    decoder = messages.MessageDecoder()
     return [message for piece in cut(data, sizes) for message in decoder.feed(piece)]
 
 
@@ -47,11 +34,11 @@ PLAIN = ControlConstants((1.0, 2.0), (0.5, 0.25), (4.0, 8.0), (1023.0, 1023.0))
     ("data", "text"),
     [
         # Checksums from an independent CRC-32 (the usual reflected polynomial 0xEDB88320), bit by bit.
-        (encode_start(3770), "5a0300020eba"),
+        (messages.encode_start(3770), "5a0300020eba"),
         (STOP, "5a040000"),
-        (encode_message(MessageKind.IDENTIFY), "5a050000"),
-        (encode_trajectory([[1.0], [-2.0]]), "5a02000a00003f800000c0000000"),
-        (encode_gains(PLAIN), "5a0100183f800000400000003f0000003e8000004080000041000000"),
+        (messages.encode_message(MessageKind.IDENTIFY), "5a050000"),
+        (messages.encode_trajectory([[1.0], [-2.0]]), "5a02000a00003f800000c0000000"),
+        (messages.encode_gains(PLAIN), "5a0100183f800000400000003f0000003e8000004080000041000000"),
     ],
 )
 def test_messages_to_the_byte(data, text):
@@ -68,19 +55,19 @@ def test_messages_to_the_byte(data, text):
 @given(seed=seeds, n=st.integers(1, 700), sizes=st.lists(st.integers(0, 500), max_size=20))
 def test_program_comes_back(seed, n, sizes):
     desired = np.random.default_rng(seed).normal(size=(2, n))
-    messages = split(encode_program(CONTROL, desired) + encode_start(n), sizes)
-    gains = parse_gains(messages[0])
+    received = split(messages.encode_program(CONTROL, desired) + messages.encode_start(n), sizes)
+    gains = parse_gains(received[0])
     assert (*gains.kp, *gains.kv, *gains.pwm_hz) == (*CONTROL.kp_counts, *CONTROL.kv_counts, *CONTROL.pwm_hz)
-    blocks = [parse_trajectory(m) for m in messages[1:-1]]
+    blocks = [parse_trajectory(m) for m in received[1:-1]]
     assert [start for start, _ in blocks] == list(range(0, n, 256))
     np.testing.assert_array_equal(np.concatenate([q for _, q in blocks], axis=1), desired.astype(np.float32))
-    assert parse_start(messages[-1]) == n
+    assert parse_start(received[-1]) == n
 
 
 @given(seed=seeds)
 def test_damage_costs_the_messages_it_hits(seed):
     rng = np.random.default_rng(seed)
-    parts = [encode_message(MessageKind.START, bytes([1, i])) for i in range(40)]
+    parts = [messages.encode_message(MessageKind.START, bytes([1, i])) for i in range(40)]
     hit = rng.choice(40, 4, replace=False).tolist()
     for i in hit:
         part = bytearray(parts[i])
@@ -91,9 +78,9 @@ def test_damage_costs_the_messages_it_hits(seed):
             del part[j]
         parts[i] = bytes(part)
     data = b"".join(parts)
-    messages = split(data)
-    assert [m.payload[1] for m in messages] == [i for i in range(40) if i not in hit]
-    assert split(data, [1] * len(data)) == messages
+    received = split(data)
+    assert [m.payload[1] for m in received] == [i for i in range(40) if i not in hit]
+    assert split(data, [1] * len(data)) == received
 
 
 @pytest.mark.parametrize("header", ["5a01ffff", "5a020003", "5a7f0002", "5a5a5a"])
@@ -103,7 +90,7 @@ def test_an_absurd_header_is_not_waited_for(header):
 
 def test_identity():
     identity = {"simulated": True, "plant": {"stribeck": 0.3, "name": "Süd"}}
-    (message,) = split(encode_identity(identity))
+    (message,) = split(messages.encode_identity(identity))
     assert message.kind == 0x85
     assert parse_identity(message) == json.loads(message.payload) == identity
 
@@ -112,7 +99,7 @@ NAN = np.array([np.nan, 0], dtype=">f4").tobytes()
 
 
 def gains_message(**changes):
-    return split(encode_gains(replace(PLAIN, **changes)))[0]
+    return split(messages.encode_gains(replace(PLAIN, **changes)))[0]
 
 
 @pytest.mark.parametrize(
@@ -136,4 +123,4 @@ def test_a_wrong_payload_is_refused(parse, message, found):
 def test_examples_of_the_document():
     text = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
     examples = [bytes.fromhex(block) for block in re.findall(r"^```text\n(.*?)^```", text, re.MULTILINE | re.DOTALL)]
-    assert examples == [encode([[165], [-2]], [[5], [-1023]]), encode_start(3770)]
+    assert examples == [encode([[165], [-2]], [[5], [-1023]]), messages.encode_start(3770)]

@@ -8,14 +8,8 @@ from log_example import BETA, motion
 from ownarm_problem import ARM, loaded
 from regression_example import beta_of, log_from, with_noise
 
-from repro.identification.calibration import (
-    CANDIDATES,
-    CalibrationError,
-    blame_joint_1,
-    calibration_limits,
-    correct_calibration,
-    find_calibration_errors,
-)
+from repro.identification import calibration
+from repro.identification.calibration import CANDIDATES, CalibrationError, calibration_limits, find_calibration_errors
 from repro.identification.extra_terms import ExtraTerm, best_subset, find_terms, subtract_terms
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.regression import drop_standstill, solve
@@ -63,7 +57,7 @@ def test_faults_are_found_with_their_size(faults):
         none = float(fault.name == "scale2")
         assert fault.value - none == pytest.approx(faults[fault.name] - none, rel=0.1, abs=0.004)
         assert fault.after < 0.9 * fault.before
-    r = prepare(correct_calibration(log, {fault.name: fault.value for fault in found}), SETTINGS)
+    r = prepare(calibration.correct_calibration(log, {fault.name: fault.value for fault in found}), SETTINGS)
     np.testing.assert_allclose(solve(r.y, r.tau)[:5], BETA[:5], rtol=0.1)
 
 
@@ -123,7 +117,7 @@ def test_a_scale_that_a_log_alone_does_not_show_shows_with_another_log():
 def test_what_is_put_right_is_not_among_what_may_be_hidden():
     log = spoilt(noisy(1), zero1=0.1)
     found = find_calibration_errors(log, SETTINGS)
-    hidden = calibration_limits(correct_calibration(log, {"zero1": found[0].value}), SETTINGS, found)
+    hidden = calibration_limits(calibration.correct_calibration(log, {"zero1": found[0].value}), SETTINGS, found)
     assert {*hidden} == {*CANDIDATES} - {"zero1"}
     assert hidden == pytest.approx(calibration_limits(noisy(1), SETTINGS, found), rel=0.1)
 
@@ -195,7 +189,7 @@ def test_no_term_is_found_where_there_is_none_or_one_that_would_drive_the_arm(mo
 
 def test_a_scale_of_joint_2_may_as_well_be_one_of_joint_1():
     errors = [CalibrationError("zero1", 0.02, 1e-3, 0.3, 0.1), CalibrationError("scale2", 0.8, 0.01, 0.3, 0.1)]
-    zero, scale = blame_joint_1(errors)
+    zero, scale = calibration.blame_joint_1(errors)
     assert zero == errors[0]
     assert (scale.name, scale.value, scale.error) == ("scale1", pytest.approx(1.25), pytest.approx(0.01 / 0.64))
 

@@ -13,15 +13,8 @@ from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
 from repro.errors import InputError
-from repro.identification.filtering import (
-    FILTERS,
-    FilterSettings,
-    choose_cutoff,
-    choose_steepness,
-    dct_pair,
-    estimate_delay,
-    prepare,
-)
+from repro.identification import filtering
+from repro.identification.filtering import FILTERS, FilterSettings, choose_cutoff, estimate_delay, prepare
 from repro.identification.regression import drop_standstill, reduced_problem, solve
 
 LOG = log_from(log_example.motion)
@@ -91,9 +84,9 @@ def test_the_pair_and_its_derivatives_are_those_of_the_cosine_series(n, cutoff):
         return series(at + 1e-20j).imag / 1e-20
 
     curvature = (derivative(t + step) - derivative(t - step)) / (2 * step)
-    np.testing.assert_allclose(dct_pair(x, H, cutoff), series(t), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(filtering.dct_pair(x, H, cutoff), series(t), rtol=0, atol=1e-12)
     for order, expected in ((1, derivative(t)), (2, curvature)):
-        found = dct_pair(x, H, cutoff, order)
+        found = filtering.dct_pair(x, H, cutoff, order)
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
 
 
@@ -204,7 +197,7 @@ def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
 @pytest.mark.parametrize("steepness", [20.0, 100.0])
 def test_steepness_is_recovered(name, steepness):
     noisy = rounded(with_noise(log_from(log_example.motion, steepness=steepness), 0.003, 4), 1e-5)
-    assert choose_steepness([(noisy, FilterSettings(name=name, friction_steepness=7.0))]) == steepness
+    assert filtering.choose_steepness([(noisy, FilterSettings(name=name, friction_steepness=7.0))]) == steepness
 
 
 @pytest.mark.slow

@@ -9,17 +9,8 @@ from hypothesis import strategies as st
 from simulators import torque_by_mujoco, torque_by_pinocchio
 from strategies import feasible_betas, links, seeds
 
-from repro.model.dynamics import (
-    LAMBDA,
-    ArmGeometry,
-    forward_dynamics,
-    forward_kinematics,
-    inverse_dynamics,
-    inverse_kinematics,
-    mass_matrix,
-    rebuild_torque,
-    regressor,
-)
+from repro.model import dynamics
+from repro.model.dynamics import forward_dynamics, inverse_dynamics, mass_matrix, rebuild_torque, regressor
 from repro.model.parameters import STANDARD_GRAVITY, inertial_from_links, is_positive, is_positive_definite
 
 # Both oracles: hinges about +y, arm along -z at q = 0, gravity along -z. The inertias about the two axes
@@ -80,7 +71,7 @@ def test_friction_is_viscous_plus_coulomb_tanh_of_velocity():
     np.testing.assert_allclose(inverse_dynamics(q, dq, still, beta), expected, rtol=1e-14)
     softer = np.array([[0.4], [0.6]]) * dq + np.array([[0.11], [0.07]]) * np.tanh(3.0 * dq)
     np.testing.assert_allclose(inverse_dynamics(q, dq, still, beta, 3.0), softer, rtol=1e-14)
-    assert LAMBDA == 20.0
+    assert dynamics.LAMBDA == 20.0
 
 
 def test_batches_equal_one_at_a_time():
@@ -130,7 +121,7 @@ def test_bad_beta_is_refused_everywhere(call, bad):
         call(bad)
 
 
-ARM = ArmGeometry(0.165, 0.150)
+ARM = dynamics.ArmGeometry(0.165, 0.150)
 lengths = st.floats(0.05, 2.0)
 angles = st.floats(-np.pi, np.pi)
 
@@ -148,7 +139,7 @@ def test_forward_kinematics_agrees_with_mujoco():
     )
     data = mujoco.MjData(model)
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (2, 20))
-    elbow, tip = forward_kinematics(q, ARM)
+    elbow, tip = dynamics.forward_kinematics(q, ARM)
     for k in range(q.shape[1]):
         data.qpos[:] = q[:, k]
         mujoco.mj_kinematics(model, data)
@@ -158,29 +149,29 @@ def test_forward_kinematics_agrees_with_mujoco():
 
 @given(l1=lengths, l2=lengths, share=st.floats(0.0, 1.0), direction=angles)
 def test_the_tip_lands_on_the_point(l1, l2, share, direction):
-    arm = ArmGeometry(l1, l2)
+    arm = dynamics.ArmGeometry(l1, l2)
     r = abs(l1 - l2) + share * (l1 + l2 - abs(l1 - l2))  # to both edges of the workspace
     p = r * column(np.cos(direction), np.sin(direction))
-    q = inverse_kinematics(p, arm)
-    np.testing.assert_allclose(forward_kinematics(q, arm)[1], p, rtol=0, atol=2e-12 * arm.reach)
+    q = dynamics.inverse_kinematics(p, arm)
+    np.testing.assert_allclose(dynamics.forward_kinematics(q, arm)[1], p, rtol=0, atol=2e-12 * arm.reach)
     assert -np.pi < q[0, 0] <= np.pi
     assert q[1, 0] >= 0
 
 
 def test_an_arm_that_points_straight_up_is_at_half_a_turn_and_not_at_minus_that():
-    np.testing.assert_allclose(inverse_kinematics(column(0.0, ARM.reach), ARM), column(np.pi, 0.0), atol=1e-7)
+    np.testing.assert_allclose(dynamics.inverse_kinematics(column(0.0, ARM.reach), ARM), column(np.pi, 0.0), atol=1e-7)
 
 
 @given(q1=angles, tiny=st.floats(0.0, 1e-6))
 def test_a_nearly_straight_arm_keeps_its_digits(q1, tiny):
     """The tip fixes q2 only to the root of the rounding there, but it comes back to the tip exactly."""
-    tip = forward_kinematics(column(q1, tiny), ARM)[1]
-    back = inverse_kinematics(tip, ARM)
-    np.testing.assert_allclose(forward_kinematics(back, ARM)[1], tip, rtol=0, atol=1e-15)
+    tip = dynamics.forward_kinematics(column(q1, tiny), ARM)[1]
+    back = dynamics.inverse_kinematics(tip, ARM)
+    np.testing.assert_allclose(dynamics.forward_kinematics(back, ARM)[1], tip, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("radius", [0.3151, 0.0149, 0.0, 10.0])
 def test_points_out_of_reach_are_refused(radius):
     path = np.array([[0.2, radius, 0.2], [0.0, 0.0, 0.1]])
     with pytest.raises(ValueError, match="from joint 1, got one at"):
-        inverse_kinematics(path, ARM)
+        dynamics.inverse_kinematics(path, ARM)

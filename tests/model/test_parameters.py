@@ -10,15 +10,9 @@ from literal import ARMS
 from scipy import constants
 from strategies import links
 
+from repro.model import parameters
 from repro.model.dynamics import mass_matrix, regressor
-from repro.model.parameters import (
-    EXPRESSIONS,
-    STANDARD_GRAVITY,
-    UNITS,
-    inertial_from_links,
-    is_positive,
-    is_positive_definite,
-)
+from repro.model.parameters import inertial_from_links, is_positive, is_positive_definite
 
 GRID = np.stack([np.zeros(721), np.linspace(-np.pi, np.pi, 721)], -1)
 
@@ -26,10 +20,10 @@ GRID = np.stack([np.zeros(721), np.linspace(-np.pi, np.pi, 721)], -1)
 @given(arm=links(), gravity=st.sampled_from([constants.g, 1.62]))
 def test_printed_expressions_give_the_numbers(arm, gravity):
     names = {"m1": arm.m1, "m2": arm.m2, "l1": arm.l1, "lc1": arm.lc1, "lc2": arm.lc2, "J1": arm.j1, "J2": arm.j2}
-    products = [re.sub(r"(?<=[\w)]) (?=[\w(])", "*", text.replace("^", "**")) for text in EXPRESSIONS[:5]]
+    products = [re.sub(r"(?<=[\w)]) (?=[\w(])", "*", text.replace("^", "**")) for text in parameters.EXPRESSIONS[:5]]
     values = [eval(text, {"__builtins__": {}}, {**names, "g": gravity}) for text in products]
     np.testing.assert_allclose(inertial_from_links(arm, gravity), values, rtol=1e-13)
-    assert constants.g == STANDARD_GRAVITY
+    assert constants.g == parameters.STANDARD_GRAVITY
 
 
 @given(speed=st.floats(0.2, 5.0))
@@ -39,7 +33,7 @@ def test_units_make_every_term_a_torque(speed):
     slow = regressor(q, dq, ddq, 20.0)
     fast = regressor(q, speed * dq, speed**2 * ddq, 20.0 / speed)
     exponents = {"kg m^2": 0, "N m s/rad": -1, "N m": -2}  # of seconds, with N = kg m/s^2
-    for k, unit in enumerate(UNITS):
+    for k, unit in enumerate(parameters.UNITS):
         np.testing.assert_allclose(fast[..., k], slow[..., k] * speed ** (2 + exponents[unit]), rtol=1e-12)
 
 

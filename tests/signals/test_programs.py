@@ -12,22 +12,14 @@ from strategies import seeds
 
 from repro.errors import InputError
 from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynamics
-from repro.signals import validation_motions
-from repro.signals.programs import (
-    ReferenceTrajectory,
-    TrajectorySettings,
-    check_limits,
-    identification_reference,
-    peaks,
-    permitted_trajectory,
-    reference_trajectory,
-)
+from repro.signals import programs, validation_motions
+from repro.signals.programs import check_limits, identification_reference, peaks, reference_trajectory
 from repro.signals.trajectories import identification_trajectory, quintic, random_trajectory
 
 H = 2.5e-3
 ARM = np.array([0.12, 0.0026375, 0.0227235, 0.95, 0.07838, 0.08, 0.00361, 0.4538, 0.31])
 GEOMETRY = ArmGeometry(0.165, 0.150)
-SETTINGS = TrajectorySettings()
+SETTINGS = programs.TrajectorySettings()
 # Torque of each joint at full PWM (N m) and speed (rad/s) of the board (Section III, V-C).
 TORQUE_LIMIT, SPEED_LIMIT = (2.7192, 2.7314), 8.0
 LIMITS = (TORQUE_LIMIT, SPEED_LIMIT)
@@ -144,9 +136,9 @@ def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
     generator = rng(0)
     draws = [reference_trajectory("T1", fast, generator) for _ in range(10)]
     kept = next(p for p in draws if (peaks(p, ARM)[1] <= TORQUE_LIMIT).all())
-    np.testing.assert_array_equal(permitted_trajectory("T1", fast, rng(0), ARM, LIMITS).q, kept.q)
+    np.testing.assert_array_equal(programs.permitted_trajectory("T1", fast, rng(0), ARM, LIMITS).q, kept.q)
     with pytest.raises(InputError, match="T1: joint 1 torque"):
-        permitted_trajectory("T1", fast, rng(0), ARM, LIMITS, draws=1)
+        programs.permitted_trajectory("T1", fast, rng(0), ARM, LIMITS, draws=1)
     for seed in range(20):
         check_limits(reference_trajectory("T1", SETTINGS, rng(seed)), ARM, LIMITS)
 
@@ -155,7 +147,7 @@ def test_peaks_of_a_motion_known_exactly():
     """Eq. 10 with its exact derivatives; the differences are accurate to h^2."""
     exact = identification_trajectory()
     q = exact.q - exact.q[:, :1]
-    speed, torque = peaks(ReferenceTrajectory("ID", q, 0, q.shape[1], H), ARM)
+    speed, torque = peaks(programs.ReferenceTrajectory("ID", q, 0, q.shape[1], H), ARM)
     np.testing.assert_allclose(speed, np.abs(exact.dq).max(1), rtol=1e-3)
     # Inside the run; at its first sample the jump from rest to the trajectory's speed is counted too.
     inner = inverse_dynamics(q[:, 1:], exact.dq[:, 1:], exact.ddq[:, 1:], ARM)
@@ -170,7 +162,7 @@ def test_a_jump_at_any_sample_is_refused(joint, at, seed):
     q[joint, at:] += 1.01 * SPEED_LIMIT * H
     message = f"trajectory T4: joint {joint + 1} speed: found 8.0.* rad/s, expected at most 8"
     with pytest.raises(InputError, match=message):
-        check_limits(ReferenceTrajectory("T4", q, 0, 100, H), ARM, LIMITS)
+        check_limits(programs.ReferenceTrajectory("T4", q, 0, 100, H), ARM, LIMITS)
 
 
 @pytest.mark.parametrize("joint", [0, 1])
