@@ -20,10 +20,10 @@ CAPTURES = ROOT / "data" / "captures"
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 
 
-def refused(call, *arguments):
+def refused(call, *arguments, **options):
     """The one line that a call with wrong input ends in."""
     with pytest.raises(InputError) as error:
-        call(*arguments)
+        call(*arguments, **options)
     assert re.fullmatch(r"[^\n]+: found [^\n]+, expected [^\n]+", str(error.value)), str(error.value)
     return str(error.value)
 

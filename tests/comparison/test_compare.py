@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from experiment_example import refused
 
 from repro.cli import main
 from repro.comparison import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, compare_runs, differences, origin
-from repro.errors import InputError
 from repro.exhibits.catalogue import tolerances
 from repro.files import read_csv
 
@@ -164,10 +164,9 @@ def test_what_is_no_run_is_one_line(tmp_path, capsys):
 
 
 def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measure):
-    rows = [*ROWS, {**ROWS[0], "case": "T1", "total": "0.5"}]
-    other = [*changed(0, "total", "0.93"), {**ROWS[0], "case": "T1", "total": "0.42"}]
-    third = [*changed(0, "total", "0.88"), {**ROWS[0], "case": "T1", "total": "0.45"}]
-    runs = [run_of(tmp_path / name, content) for name, content in (("a", rows), ("b", other), ("c", third))]
+    totals = (("0.9", "0.5"), ("0.93", "0.42"), ("0.88", "0.45"))  # of ID and T1
+    tables = [[*changed(0, "total", first), {**TRAINED, "case": "T1", "total": second}] for first, second in totals]
+    runs = [run_of(tmp_path / str(k), rows) for k, rows in enumerate(tables)]
     measured = measure(runs).set_index(["table", "origin", "column"])
     row = measured.loc[("tables/table10", "algorithm1", "total")]
     assert (row["runs"], row["cells"], row["widest"]) == (3, 2, pytest.approx(0.08))
@@ -181,18 +180,14 @@ def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measur
 
 def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path, measure):
     runs = [run_of(tmp_path / "a", ROWS), run_of(tmp_path / "b", changed(1, "total", "0.96"))]
-    with pytest.raises(InputError, match=r"line 3, total: found 0\.96, expected 0\.97"):
-        measure(runs)
+    assert "line 3, total: found 0.96, expected 0.97" in refused(measure, runs)
 
 
 def test_a_pipe_or_a_large_file_in_a_results_folder_does_not_hang(tmp_path):
     a, b = (run_of(tmp_path / name, ROWS) for name in ("a", "b"))
     os.mkfifo(b / "tables/table02.csv")
-    with pytest.raises(InputError, match=r"table02\.csv: found no regular file"):
-        compare_runs(a, b, Tolerances())
-    with pytest.raises(InputError, match="a pipe or a device"):
-        read_csv(b / "tables/table02.csv")
+    assert "table02.csv: found no regular file" in refused(compare_runs, a, b, Tolerances())
+    assert "a pipe or a device" in refused(read_csv, b / "tables/table02.csv")
     (b / "tables/table02.csv").unlink()
     os.truncate(b / "tables/table10.csv", 2**30)
-    with pytest.raises(InputError, match="size: found"):
-        compare_runs(a, b, Tolerances())
+    assert "size: found" in refused(compare_runs, a, b, Tolerances())

@@ -58,18 +58,15 @@ def test_what_is_written_is_read(tmp_path, host, board, data, reason):
 
 
 def test_a_capture_is_overwritten_only_on_request(stored):
-    with pytest.raises(InputError, match=r"T4\.bin: found a file"):
-        write_capture(stored, FRAMES[:80], METADATA)
+    assert "T4.bin: found a file" in refused(write_capture, stored, FRAMES[:80], METADATA)
     assert read_capture(stored).data == FRAMES
     write_capture(stored, FRAMES[:80], dataclasses.replace(METADATA, end_reason="silent"), overwrite=True)
     assert read_capture(stored).counts.good == 10
     stored.unlink()
-    with pytest.raises(InputError, match=r"T4\.program: found a file"):
-        write_capture(stored, FRAMES, METADATA)
-    with pytest.raises(InputError, match=r"T4\.json, where nothing can be written"):
-        write_capture(stored.with_suffix(".json") / "T4.bin", FRAMES, METADATA)
-    with pytest.raises(InputError, match="suffix"):
-        write_capture(stored.with_suffix(".dat"), FRAMES, METADATA)
+    assert "T4.program: found a file" in refused(write_capture, stored, FRAMES, METADATA)
+    within = stored.with_suffix(".json") / "T4.bin"
+    assert "T4.json, where nothing can be written" in refused(write_capture, within, FRAMES, METADATA)
+    assert "suffix" in refused(write_capture, stored.with_suffix(".dat"), FRAMES, METADATA)
 
 
 def test_a_capture_is_whole_or_absent(tmp_path):
@@ -98,11 +95,7 @@ def test_a_capture_is_whole_or_absent(tmp_path):
         ("counts.good", 399, "counts.good: found 399, expected 400"),
         ("mood", "fine", "mood: found an unknown key"),
         ("host", {}, "host.port: found nothing, expected a value"),
-        (
-            "host",
-            {"port": "a", "baud": 9600, "began": "", "chunks": [[1, "b"]]},
-            "host.chunks[0][1]: found 'b', expected a number",
-        ),
+        ("host.chunks", [[1, "b"]], "host.chunks[0][1]: found 'b', expected a number"),
         ("host.chunks", [], "host.chunks: found "),
         ("host.chunks", [[800, 0.1], [3201, 0.2]], "host.chunks: found "),
         ("host.chunks", [[-1, 0.1], [3200, 0.2]], "host.chunks: found "),
@@ -192,8 +185,7 @@ def test_short_gaps_are_interpolated_and_recorded():
     np.testing.assert_array_equal(capture.index, kept)
     q, tau = recording_of(capture)
     truth = decode_capture(FRAMES, METADATA)
-    np.testing.assert_array_equal(q[:, kept], truth.q[:, kept])
-    np.testing.assert_array_equal(tau[:, kept], truth.tau[:, kept])
+    np.testing.assert_array_equal([q[:, kept], tau[:, kept]], [truth.q[:, kept], truth.tau[:, kept]])
     for i, (low, high) in {**dict.fromkeys(range(49, 53), (48, 53)), 200: (199, 201)}.items():
         slope = (truth.tau[:, high] - truth.tau[:, low]) / (high - low)
         np.testing.assert_allclose(tau[:, i], truth.tau[:, low] + (i - low) * slope, rtol=1e-12, atol=1e-15)

@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from experiment_example import refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import RATE, assert_same, log_of, motion, recording
 from strategies import seeds
 
-from repro.errors import InputError
 from repro.logs.armfile import Arm
 from repro.logs.diagnostics import describe
 from repro.logs.log import uniform
@@ -79,8 +79,7 @@ def test_a_long_gap_splits_the_log_and_pieces_that_are_too_short_are_left_out():
     np.testing.assert_allclose(log.tau, GOOD.tau[:, 1000:], atol=1e-12)
     thin = log_of(recording(np.r_[0.0:3.0:0.02, 4.0:14.0:0.02]))
     assert uniform(thin).t.size == 500  # 150 samples are too few, though they last 3 s
-    with pytest.raises(InputError, match=r"log\.csv: time: found 1 gap of up to 8\.5 s, 1\.99 s"):
-        uniform(without(300, 2000))
+    assert "log.csv: time: found 1 gap of up to 8.5 s, 1.99 s" in refused(uniform, without(300, 2000))
 
 
 def test_samples_close_together_do_no_harm():
@@ -159,5 +158,5 @@ def test_left_out_samples_go_with_their_pieces():
     log = log_of(GOOD, left_out=left_out, breaks=(1200,))
     assert [piece.left_out.sum(axis=1).tolist() for piece in log.pieces] == [[0, 5], [0, 10]]
     assert uniform(log) is log
-    with pytest.raises(InputError, match=r"log\.csv: left_out: found bool of shape \(2, 7\), expected bool of shape"):
-        log_of(GOOD, left_out=left_out[:, :7])
+    line = refused(log_of, GOOD, left_out=left_out[:, :7])
+    assert line.startswith("log.csv: left_out: found bool of shape (2, 7), expected bool of shape")

@@ -1,18 +1,17 @@
 """A prior from a file, and an arm in a horizontal plane, from log to files."""
 
 import json
-import re
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from experiment_example import refused
 from log_example import BETA
 from ownarm_problem import ARM, prepared_from_file, solved, write_log
 
 from repro.cli import main
-from repro.errors import InputError
 from repro.export import horizontal_links_of
 from repro.model.parameters import NAMES, UNITS, inertial_from_links
 from repro.ownarm.outputs import write_result
@@ -29,12 +28,12 @@ def test_a_prior_is_read_from_values_and_from_a_result():
     row = {"estimate": 2.0, "low": 1.804, "high": 2.196}
     rows = [{"name": name, "unit": unit, **row} for name, unit in zip(NAMES, UNITS, strict=True)]
     rows[1]["low"] = rows[1]["high"] = None
-    prior = read_prior({"recommended": "a", "methods": [{"method": "a", "parameters": rows}]})
+    result = {"recommended": "a", "methods": [{"method": "a", "parameters": rows}]}
+    prior = read_prior(result)
     assert np.flatnonzero(~np.isfinite(prior.sd)).tolist() == [1]
     assert (prior.mean[0], prior.sd[0]) == pytest.approx((2.0, 0.1))
     rows[0]["low"] = 2.2
-    with pytest.raises(InputError, match=r"I1.low: found 2.2, expected a number up to high, 2.196"):
-        read_prior({"recommended": "a", "methods": [{"method": "a", "parameters": rows}]})
+    assert "I1.low: found 2.2, expected a number up to high, 2.196" in refused(read_prior, result)
 
 
 @pytest.mark.parametrize(
@@ -54,8 +53,8 @@ def test_a_prior_is_read_from_values_and_from_a_result():
 def test_a_bad_prior_is_refused_in_one_line(tmp_path, content, words):
     file = tmp_path / "prior.json"
     file.write_text(json.dumps(content))
-    with pytest.raises(InputError, match=rf"^{re.escape(str(file))}: .*{re.escape(words)}.*$"):
-        read_prior(file)
+    line = refused(read_prior, file)
+    assert line.startswith(f"{file}: ") and words in line
 
 
 def test_a_prior_is_refused_next_to_algorithm_1(tmp_path):
@@ -95,5 +94,4 @@ def test_an_arm_in_a_horizontal_plane(tmp_path, no_figures):
     assert (links.l1, links.lc1) == pytest.approx((0.3, 0.15))  # a uniform rod
     assert inertial_from_links(links)[:3] == pytest.approx(found[:3], rel=1e-9)
     assert "no-links.txt" in write_result(tmp_path / "none", result, curves, replace(LEVEL, link_lengths=None))
-    with pytest.raises(InputError, match="plane of the arm is horizontal"):
-        with_plane(read_prior({"g1": GOOD}), LEVEL)
+    assert "plane of the arm is horizontal" in refused(with_plane, read_prior({"g1": GOOD}), LEVEL)

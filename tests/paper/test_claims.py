@@ -1,17 +1,18 @@
 """The claims ledger: its verdicts, that every published number has a counterpart, and what is asserted."""
 
 import math
+import re
 import shutil
 
 import numpy as np
 import pandas as pd
 import pytest
 from claims_example import CONFIG, SEEDS, write_results
+from experiment_example import refused
 from hypothesis import given
 from hypothesis import strategies as st
 
 from repro.config import load_config
-from repro.errors import InputError
 from repro.paper import claims as claims_module
 from repro.paper.audit import findings
 from repro.paper.claims import Basis, OurValue, broken, causes, higher, judge, judge_all, lower, specificity
@@ -295,8 +296,7 @@ def test_a_missing_result_is_named(stored, tmp_path):
     folder = shutil.copytree(stored, tmp_path / "results")
     for name in reversed(FILES):
         (folder / name).unlink()
-        with pytest.raises(InputError, match=name):
-            Results(folder)
+        assert name in refused(Results, folder)
 
 
 @pytest.mark.parametrize(
@@ -315,9 +315,8 @@ def test_a_damaged_table_is_named(stored, tmp_path, name, old, new, number, name
     text = file.read_text()
     assert old in text
     file.write_text(text.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(InputError, match=named) as caught:
-        values_of(PUBLISHED[number], PUBLISHED, SETTINGS, {}, Results(tmp_path / "results"))
-    assert str(file) in str(caught.value) and "\n" not in str(caught.value)
+    line = refused(lambda: values_of(PUBLISHED[number], PUBLISHED, SETTINGS, {}, Results(tmp_path / "results")))
+    assert str(file) in line and re.search(named, line)
 
 
 def test_a_parameter_has_the_seeds_of_its_arm_and_not_twice_for_its_joints(stored):

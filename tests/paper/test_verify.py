@@ -11,10 +11,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from claims_example import make_project
+from experiment_example import refused
 
 from repro.cli import main
 from repro.config import load_config
-from repro.errors import InputError
 from repro.files import write_json
 from repro.paper import ledger
 from repro.paper.ledger import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
@@ -201,14 +201,12 @@ def test_a_claim_that_fails_under_an_overlay_ends_a_run_only_if_enforced(project
     assert code == 1 and "disagrees" not in out
     assert out.count("not as asserted") == 1 and "not as asserted: table08/kp/joint2" in out
     assert config["claims"]["enforce"]
-    with pytest.raises(InputError, match="1 claims that fail"):
-        ledger.verified(Path("other"), config)
+    assert "1 claims that fail" in refused(ledger.verified, Path("other"), config)
     assert "not as asserted: table08/kp/joint2" in capsys.readouterr().err
     lenient = {**config, "claims": {"enforce": False}}
     assert "not as asserted: table08/kp/joint2" in ledger.verified(Path("other"), lenient)
     found[1].append("results/tables/table09.csv: found another text")
-    with pytest.raises(InputError, match="1 disagreements"):
-        ledger.verified(Path("other"), lenient)
+    assert "1 disagreements" in refused(ledger.verified, Path("other"), lenient)
     assert "results/tables/table09.csv: found another text" in capsys.readouterr().err
 
 
@@ -236,5 +234,4 @@ def test_the_list_is_what_sha256sum_checks(project):
 
 
 def test_a_source_that_is_missing_is_named_when_the_list_is_written(tmp_path):
-    with pytest.raises(InputError, match=r"gone\.csv"):
-        ledger.write_sources(tmp_path / SOURCES, [Path("gone.csv")], [], tmp_path)
+    assert "gone.csv" in refused(ledger.write_sources, tmp_path / SOURCES, [Path("gone.csv")], [], tmp_path)

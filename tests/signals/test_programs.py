@@ -122,8 +122,7 @@ def test_identification_reference_contains_eq_10():
 def test_a_program_longer_than_the_memory_is_refused():
     with pytest.raises(InputError, match=r"trajectory ID: length: found 8572 samples, expected at most .* 8192"):
         identification_reference(replace(SETTINGS, duration=20.48))
-    with pytest.raises(InputError, match="trajectory T3"):
-        reference_trajectory("T3", replace(SETTINGS, validation_samples=8193), rng())
+    assert "trajectory T3" in refused(reference_trajectory, "T3", replace(SETTINGS, validation_samples=8193), rng())
     longest = replace(SETTINGS, duration=8192 * H - 380 * H)
     assert identification_reference(longest).q.shape[1] == 8192
 
@@ -131,14 +130,14 @@ def test_a_program_longer_than_the_memory_is_refused():
 def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
     """With 45 bands, of which a fifth of the draws keep the torque limit; with the default 12 all do."""
     fast = replace(SETTINGS, t1_bands=45.0)
-    with pytest.raises(InputError, match="trajectory T1: joint 1 torque"):
-        check_limits(reference_trajectory("T1", fast, rng(0)), ARM, LIMITS)
+    beyond = reference_trajectory("T1", fast, rng(0))
+    assert "trajectory T1: joint 1 torque" in refused(check_limits, beyond, ARM, LIMITS)
     generator = rng(0)
     draws = [reference_trajectory("T1", fast, generator) for _ in range(10)]
     kept = next(p for p in draws if (peaks(p, ARM)[1] <= TORQUE_LIMIT).all())
     np.testing.assert_array_equal(programs.permitted_trajectory("T1", fast, rng(0), ARM, LIMITS).q, kept.q)
-    with pytest.raises(InputError, match="T1: joint 1 torque"):
-        programs.permitted_trajectory("T1", fast, rng(0), ARM, LIMITS, draws=1)
+    line = refused(programs.permitted_trajectory, "T1", fast, rng(0), ARM, LIMITS, draws=1)
+    assert "T1: joint 1 torque" in line
     for seed in range(20):
         check_limits(reference_trajectory("T1", SETTINGS, rng(seed)), ARM, LIMITS)
 
