@@ -17,6 +17,7 @@ from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, load_log
 from repro.ownarm.problem import IdentificationProblem, make_problem
 
 ARM = Arm(name="test arm")
+OPTIONS = Options(("ordinary",), "unused")
 FILES = ["arm.urdf", "arm.xml", "methods.bib", "parameters.csv", "parameters.json"]
 FILES += ["provenance.json", "report.html", "residuals.csv", "scores.csv"]
 
@@ -39,14 +40,19 @@ def problem_of(regression, validation=(), moving=None, estimates_delay=True, **s
     return IdentificationProblem((prepared,), regression, moving, {}, tuple(validation), excited, estimates_delay)
 
 
+def problem_of_logs(*logs, validation=(), arm=ARM, **options):
+    """The problem of loaded logs, with ordinary least squares unless the options say otherwise."""
+    return make_problem(logs, validation, arm, replace(OPTIONS, **options))
+
+
 def noisy(beta, seed=0, size=0.02, n=1200):
     noise = size * np.random.default_rng(seed).normal(size=(2, n))
     return exact(motion(H * np.arange(n)), beta, noise)
 
 
-def judged(problem, method="ordinary"):
-    """What one method of least squares finds, without halves and positions."""
-    return evaluate(fit(METHODS[method], problem, 1, False, silent), problem, (None,))
+def judged(problem):
+    """What ordinary least squares finds, without halves and positions."""
+    return evaluate(fit(METHODS["ordinary"], problem, 1, False, silent), problem, (None,))
 
 
 def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness=20.0, late=0.0):
@@ -59,19 +65,19 @@ def write_log(path, moved=motion, seconds=12.0, rate=200.0, beta=BETA, steepness
     return path
 
 
-def prepared_from_file(folder, arm=ARM, options=None, **log):
-    options = options or Options(tuple(METHODS), folder)
-    return make_problem((load_log(write_log(folder / "log.csv", **log), arm),), (), arm, options)
+def prepared_from_file(folder, arm=ARM, **log):
+    loaded_log = load_log(write_log(folder / "log.csv", **log), arm)
+    return problem_of_logs(loaded_log, arm=arm, methods=tuple(METHODS), cache=folder)
 
 
-def identify(folder, methods=tuple(METHODS), arm=ARM, validate=True, **log):
+def identify(folder, methods=tuple(METHODS), **log):
     """All of `repro identify` but its files: problem, result and curves."""
     options = Options(methods, folder / "cache")
-    fitted = load_log(write_log(folder / "log.csv", **log), arm)
-    validation = (load_log(write_log(folder / "other.csv", other_motion, 8.0), arm),) if validate else ()
-    problem = make_problem((fitted,), validation, arm, options)
+    fitted = load_log(write_log(folder / "log.csv", **log), ARM)
+    validation = load_log(write_log(folder / "other.csv", other_motion, 8.0), ARM)
+    problem = make_problem((fitted,), (validation,), ARM, options)
     found = fit_all(problem, resolve(options, silent), options.seed, silent)
-    return (problem, *assemble(problem, found, arm))
+    return (problem, *assemble(problem, found, ARM))
 
 
 def solved(problem, methods=("ordinary",), arm=ARM):

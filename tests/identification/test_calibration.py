@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA, motion
-from ownarm_problem import ARM, loaded
+from ownarm_problem import ARM, loaded, problem_of_logs
 from regression_example import beta_of, log_from, with_noise
 
 from repro.identification import calibration
@@ -14,9 +14,8 @@ from repro.identification.extra_terms import ExtraTerm, best_subset, find_terms,
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.regression import drop_standstill, solve
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.prepare import Options
 from repro.ownarm.prior import read_prior
-from repro.ownarm.problem import SCALE_OF_JOINT_1, make_problem
+from repro.ownarm.problem import SCALE_OF_JOINT_1
 from repro.ownarm.text import calibration_lines
 
 SETTINGS = FilterSettings()
@@ -168,7 +167,7 @@ def log_with(load1=0.0, load2=0.0, stribeck2=0.0, rotor2=0.0, seed=0, noise=0.02
 
 def ready_of(log, friction):
     nearly = loaded(replace(log, tau=log.tau * (1.0 + 1e-9)))
-    return make_problem((loaded(log),), (nearly,), ARM, Options(("ordinary",), "unused", friction=friction))
+    return problem_of_logs(loaded(log), validation=(nearly,), friction=friction)
 
 
 @pytest.mark.parametrize(
@@ -176,9 +175,8 @@ def ready_of(log, friction):
 )
 def test_what_is_there_is_found_with_its_size(sizes):
     found = [term for term in find_terms([(log_with(**sizes), DELAYED)], True) if term.taken]
-    assert [(term.name, term.value) for term in found] == [
-        (name, pytest.approx(sizes[name], rel=0.2)) for name in sizes
-    ]
+    assert [term.name for term in found] == [*sizes]
+    assert [term.value for term in found] == pytest.approx([*sizes.values()], rel=0.2)
     assert all(term.gain > 0.2 for term in found)
 
 
@@ -227,7 +225,7 @@ def test_a_prior_tells_which_torque_constant_is_wrong(wrong, beta):
     factor = np.array([[1.0 / 1.4], [1.0]] if wrong == 1 else [[1.0], [1.4]])
     log = replace(noisy(1), tau=noisy(1).tau * factor)
     prior = read_prior({"g1": {"value": beta * BETA[3], "sd": 0.02}, "k1": {"value": 9.0, "sd": 1.0}})
-    problem = make_problem((loaded(log),), (), ARM, Options(("instrumental",), "unused", prior=prior))
+    problem = problem_of_logs(loaded(log), methods=("instrumental",), prior=prior)
     (fault,) = problem.first.faults
     assert (fault.name, fault.value) == (f"scale{wrong or 2}", pytest.approx(factor.prod(), rel=0.02))
     if wrong is None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from log_example import BETA, columns, motion, recording, text
-from ownarm_problem import ARM, identify, prepared_from_file, silent, solved, write_log
+from ownarm_problem import ARM, identify, prepared_from_file, problem_of_logs, silent, solved, write_log
 from realdata import log_file, needs_real_data
 
 from repro.errors import InputError
@@ -19,8 +19,6 @@ from repro.ownarm.problem import make_problem
 from repro.ownarm.text import COMBINED, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
-
-OPTIONS = Options(("ordinary",), "unused")
 
 
 def test_every_method_finds_the_arm_and_predicts_another_motion(tmp_path):
@@ -50,7 +48,7 @@ def test_a_validation_log_too_slow_for_the_cutoff_is_named(tmp_path):
     log = load_log(write_log(tmp_path / "log.csv"), ARM)
     slow = load_log(write_log(tmp_path / "slow.csv", seconds=30.0, rate=10.0), ARM)
     with pytest.raises(InputError, match=r"^cutoff: found 5 Hz, expected .* 10 Hz of slow\.csv"):
-        make_problem((log,), (slow,), ARM, replace(OPTIONS, cutoff=5.0))
+        problem_of_logs(log, validation=(slow,), cutoff=5.0)
 
 
 def test_the_result_of_an_arm_with_a_joint_at_rest_is_what_its_log_shows(tmp_path):
@@ -85,7 +83,7 @@ def test_one_delay_one_zero_and_the_parameters_of_all_pieces(tmp_path):
     keep = np.flatnonzero((T < 18.0) | ((T >= 19.5) & (T < 20.5)) | (T >= 21.5))
     path = tmp_path / "split.csv"
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
-    problem = make_problem((load_log(path, ARM),), (), ARM, OPTIONS)
+    problem = problem_of_logs(load_log(path, ARM))
     result, _ = solved(problem)
     (fault,) = problem.first.faults
     assert (fault.name, fault.value) == ("zero1", pytest.approx(-ZERO, abs=0.005))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from log_example import BETA
-from ownarm_problem import ARM, judged, noisy, problem_of, silent, solved, write_log
+from ownarm_problem import ARM, judged, noisy, problem_of, problem_of_logs, silent, solved, write_log
 from regression_example import exciting
 
 from repro.identification.filtering import MAX_DELAY
@@ -18,13 +18,11 @@ from repro.identification.uncertainty import Uncertainty
 from repro.model.parameters import NAMES, is_positive_definite
 from repro.ownarm import prepare
 from repro.ownarm.evaluate import Fit, evaluate, fit, fit_all, inconsistency
-from repro.ownarm.prepare import Options, load_log
-from repro.ownarm.problem import make_problem
+from repro.ownarm.prepare import load_log
 from repro.ownarm.text import IMPOSSIBLE, NOT_EXCITED
 
 pytestmark = pytest.mark.slow
 
-OPTIONS = Options(("ordinary",), "unused")
 #: Standard normal numbers.
 WHITE = np.random.default_rng(8).normal(size=(2, 4800))
 HELD = "held at zero: the log alone would make it negative"
@@ -57,7 +55,7 @@ def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path,
     """Noise that is white is averaged away; a torque of another motion is not."""
     loaded = load_log(write_log(tmp_path / "log.csv", seconds=24.0, late=late), ARM)
     tau = torque(loaded.log) + 1e-3 * WHITE
-    problem = make_problem((replace(loaded, log=replace(loaded.log, tau=tau)),), (), ARM, OPTIONS)
+    problem = problem_of_logs(replace(loaded, log=replace(loaded.log, tau=tau)))
     rows = judged(problem).parameters
     assert bool(problem.doubt) == bool(why)
     if why:
@@ -102,7 +100,7 @@ def test_a_saturated_torque_is_left_out_of_the_fit(tmp_path):
     assert sum("leaves them out" in line for line in loaded.description.warnings) == 2
     found = {}
     for name, used in (("without", loaded), ("with", replace(loaded, log=replace(loaded.log, left_out=None)))):
-        rows = judged(make_problem((used,), (), ARM, OPTIONS)).parameters
+        rows = judged(problem_of_logs(used)).parameters
         found[name] = max(abs(p.estimate / true - 1.0) for p, true in zip(rows[:5], BETA, strict=False))
     assert found["without"] < 0.3 * found["with"]
     assert found["with"] > 0.08

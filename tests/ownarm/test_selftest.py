@@ -7,7 +7,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 from log_example import BETA
-from ownarm_problem import ARM, loaded, silent, solved
+from ownarm_problem import ARM, OPTIONS, loaded, problem_of_logs, silent, solved
 from regression_example import broadband, log_from
 
 from repro.identification.calibration import correct_calibration
@@ -18,13 +18,10 @@ from repro.logs.torque_limits import quantisation_step
 from repro.model.parameters import NAMES
 from repro.ownarm import evaluate
 from repro.ownarm.evaluate import add_self_test, inverse_errors, self_test, synthetic_log
-from repro.ownarm.prepare import Options
-from repro.ownarm.problem import make_problem
 from repro.ownarm.text import self_test_verdict
 
 pytestmark = pytest.mark.slow
 
-OPTIONS = Options(("ordinary",), "unused")
 STEP, NOISE, LATE = 1e-4, 0.05, 0.004
 #: Sines up to 3 Hz, so that the torque at the frequencies looked at is nearly all of the motion.
 slow = partial(broadband, top=3.0, lines=20)
@@ -44,10 +41,6 @@ def recorded(stribeck=0.0, zero=0.0, jitter=0.0):
     return replace(loaded(uniform(raw)), recorded=raw)
 
 
-def problem_of(log, **options):
-    return make_problem((log,), (), ARM, replace(OPTIONS, **options))
-
-
 def ordinary_self_test(problem):
     method = METHODS["ordinary"]
     return self_test(problem, method, method.estimate(problem.moving).beta, ARM, OPTIONS, silent)
@@ -55,7 +48,7 @@ def ordinary_self_test(problem):
 
 @pytest.fixture(scope="module")
 def clean():
-    problem = problem_of(recorded())
+    problem = problem_of_logs(recorded())
     return problem, ordinary_self_test(problem)
 
 
@@ -85,14 +78,14 @@ def test_where_eq_1_is_right_the_noise_that_was_put_in_is_the_error(clean):
 
 
 def test_stribeck_friction_is_distinguished_from_noise():
-    test = ordinary_self_test(problem_of(recorded(stribeck=0.6)))
+    test = ordinary_self_test(problem_of_logs(recorded(stribeck=0.6)))
     assert test.model_wrong
     assert max(test.real) > 2 * max(test.error)
 
 
 def test_a_synthetic_log_is_recorded_as_the_real_one_was():
     original = recorded(jitter=2e-4, zero=0.08)
-    (ready,) = problem_of(original).logs
+    (ready,) = problem_of_logs(original).logs
     assert [fault.name for fault in ready.faults] == ["zero1"]
     synthetic = synthetic_log(ready, BETA, np.random.default_rng(0))
     assert synthetic.recorded.t == pytest.approx(original.recorded.t)
@@ -102,7 +95,7 @@ def test_a_synthetic_log_is_recorded_as_the_real_one_was():
     # Differences of neighbours are nearly all noise, which is taken a little too large rather than too small.
     made, noise = (np.std(np.diff(one.recorded.tau, 2)[:, inside], axis=-1) for one in (synthetic, original))
     assert ((0.95 * noise < made) & (made < 1.5 * noise)).all()
-    (again,) = problem_of(synthetic, cutoff=ready.settings.cutoff).logs
+    (again,) = problem_of_logs(synthetic, cutoff=ready.settings.cutoff).logs
     assert [fault.name for fault in again.faults] == ["zero1"]
     assert again.faults[0].value == pytest.approx(ready.faults[0].value, abs=0.005)
     assert again.settings.delay == pytest.approx(ready.settings.delay, abs=1e-3)
@@ -113,7 +106,7 @@ def test_rounded_time_stamps_are_no_jitter():
     original = recorded()
     t = np.round(np.arange(original.log.t.size) / 210.0, 3)
     raw = replace(original.recorded, t=t)
-    (ready,) = problem_of(replace(original, log=uniform(raw), recorded=raw)).logs
+    (ready,) = problem_of_logs(replace(original, log=uniform(raw), recorded=raw)).logs
     synthetic = synthetic_log(ready, BETA, np.random.default_rng(0))
     assert synthetic.recorded.t == pytest.approx(t)
     rough = [np.std(np.diff(q, 3), axis=-1) for q in (synthetic.recorded.q, raw.q)]
@@ -124,7 +117,7 @@ def test_logs_are_simulated_by_their_longest_pieces_and_prepared_together(monkey
     whole = recorded().recorded  # the piece with missing samples is the shorter one as it is recorded
     used = np.where(whole.t < 10.0, np.arange(whole.t.size) % 50 != 7, whole.t > 10.1)
     raw = replace(whole, t=whole.t[used], q=whole.q[:, used], tau=whole.tau[:, used])
-    problem = make_problem((recorded(zero=0.05), replace(loaded(uniform(raw)), recorded=raw)), (), ARM, OPTIONS)
+    problem = problem_of_logs(recorded(zero=0.05), replace(loaded(uniform(raw)), recorded=raw))
     monkeypatch.setattr(evaluate, "DRAWS", 1)
     monkeypatch.setattr(evaluate, "prepare_logs", Mock(wraps=evaluate.prepare_logs))
     ordinary_self_test(problem)
@@ -141,5 +134,4 @@ def test_a_method_without_intervals_has_no_self_test(clean):
 def test_the_inverse_of_a_correction_restores_the_log():
     log, errors = recorded().log, {"zero2": 0.05, "offset2": 0.3, "scale2": 1.4, "offset1": -0.1}
     again = correct_calibration(correct_calibration(log, errors), inverse_errors(errors))
-    np.testing.assert_allclose(again.q, log.q)
-    np.testing.assert_allclose(again.tau, log.tau)
+    np.testing.assert_allclose([again.q, again.tau], [log.q, log.tau])
