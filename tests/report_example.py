@@ -1,7 +1,6 @@
 """A small but whole set of results for the report: every file that it reads."""
 
 import hashlib
-from pathlib import Path
 
 import exhibit_examples
 import pandas as pd
@@ -11,14 +10,13 @@ from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.files import read_rows, write_csv
 from repro.report.page import ReportInputs
 
-REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference"
 #: What must be escaped wherever it is shown.
 TRICKY = "a < b & \"c\" > 'd' <script>alert(1)</script>"
 
 
 def claim_rows():
     """Some rows of the ledger of the reference, among them every verdict; one that differs has other numbers."""
-    rows = [dict(row) for row in read_rows(REFERENCE / "claims.csv")[::5]]
+    rows = [dict(row) for row in read_rows(exhibit_examples.REFERENCE.parent / "claims.csv")[::5]]
     changed = next(row for row in rows if row["verdict"] == "differs")
     changed |= {"id": "table06/N3/total/2", "unit": "%", "published": "95.38", "ours": "95.503456789"}
     changed |= {"difference": "0.123456789", "tolerance": "0.005", "note": f"Of the published ranges; {TRICKY}."}

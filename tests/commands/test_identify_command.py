@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from experiment_example import CAPTURES, ROOT
 from log_example import BETA, motion
 from ownarm_problem import FILES, write_log
 
@@ -24,9 +25,6 @@ from repro.identification.algorithm1.search import SearchSettings
 from repro.model.parameters import NAMES
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("no_figures")]
-
-ROOT = Path(__file__).resolve().parents[2]
-CAPTURES = ROOT / "data" / "captures"
 
 
 @pytest.fixture

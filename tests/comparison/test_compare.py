@@ -2,11 +2,10 @@
 
 import os
 from importlib import import_module
-from pathlib import Path
 
 import pandas as pd
 import pytest
-from experiment_example import refused
+from experiment_example import ROOT, refused
 
 from repro.cli import main
 from repro.comparison import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, compare_runs, differences, origin
@@ -16,7 +15,7 @@ from repro.files import read_csv
 
 @pytest.fixture
 def measure(monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).resolve().parents[2] / "benchmarks")
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
     return import_module("training_spread").measure
 
 

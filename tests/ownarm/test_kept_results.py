@@ -4,11 +4,11 @@ import json
 import logging
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from experiment_example import CAPTURES
 from kept import blocks, drawn, flat, same
 from log_example import BETA, motion, text
 from ownarm_example import png
@@ -20,7 +20,6 @@ from repro.model.dynamics import inverse_dynamics
 
 pytestmark = pytest.mark.slow
 
-CAPTURES = Path(__file__).resolve().parents[2] / "data" / "captures"
 #: What `write` records, in the words of an arm file.
 ARM = """
 name: bench arm

@@ -4,12 +4,11 @@ import contextlib
 import io
 import re
 import runpy
-from pathlib import Path
 
 import pytest
+from experiment_example import ROOT
 from printed import same_output
 
-ROOT = Path(__file__).resolve().parents[2]
 #: A block, and the output that follows it if it prints something.
 BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:\n^```text\n(.*?)^```\n)?", re.MULTILINE | re.DOTALL)
 

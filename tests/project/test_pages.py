@@ -4,14 +4,13 @@ import ast
 import json
 import pydoc
 import re
-from pathlib import Path
 
 import pytest
 import yaml
+from experiment_example import ROOT
 
 import repro
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md")]
 PAGES += [page for folder in ("docs", "docs/explanation") for page in sorted((ROOT / folder).glob("*.md"))]
 
@@ -19,8 +18,7 @@ PAGES += [page for folder in ("docs", "docs/explanation") for page in sorted((RO
 def test_both_citation_files_say_the_same():
     cff = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     meta = json.loads((ROOT / "codemeta.json").read_text(encoding="utf-8"))
-    assert meta["name"] == cff["title"]
-    assert meta["description"] == cff["abstract"]
+    assert (meta["name"], meta["description"]) == (cff["title"], cff["abstract"])
     assert meta["license"].rsplit("/", 1)[1] == cff["license"]
     assert meta["keywords"] == cff["keywords"]
     assert [author["name"] for author in meta["author"]] == [author["name"] for author in cff["authors"]]

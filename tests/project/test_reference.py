@@ -3,18 +3,17 @@
 import re
 import runpy
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from experiment_example import ROOT
 
 from repro.comparison import LEDGER
 from repro.exhibits.catalogue import tolerances
 from repro.paper.claims import broken, causes, specificity
 from repro.paper.published import load_published
 
-ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "docs/reference"
 CASES = ("N1", "N2", "N3", "N4")
 

@@ -6,11 +6,10 @@ import re
 import textwrap
 from importlib import import_module
 from operator import attrgetter
-from pathlib import Path
 
 import pytest
+from experiment_example import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
 STEP = re.compile(r"^\| `([^`]+)` \| `([^`]+)` \| (.+) \|$", re.MULTILINE)
 #: Files of each walk, at most, by the beginning of its title.

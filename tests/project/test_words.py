@@ -3,13 +3,12 @@
 import argparse
 import ast
 import re
-from pathlib import Path
 
 import pytest
+from experiment_example import ROOT
 
 from repro.cli import parser
 
-ROOT = Path(__file__).resolve().parents[2]
 #: Phrases, and what to write instead.
 AVOID = {
     r"\b(?:un)?told\b|\bforet(?:old|ells?)\b": "reported, distinguished, predicted",
@@ -31,13 +30,13 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "config/README.md"
 PAGES += [page for page in sorted((ROOT / "docs").rglob("*.md")) if ROOT / "docs/reference" not in page.parents]
 
 
-def found(text: str) -> list[str]:
+def found(text):
     """Avoided phrases of a text, each with what to write."""
     hits = ((match[0], instead) for what, instead in AVOID.items() for match in re.finditer(what, text, re.I))
     return [f"{phrase!r}: write {instead}" for phrase, instead in hits]
 
 
-def messages(path: Path) -> list[str]:
+def messages(path):
     """Strings of a module with blanks, without its docstrings."""
     nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
     alone = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}

@@ -121,8 +121,7 @@ def test_a_large_file_is_linked_and_a_small_one_held(tmp_path):
 def test_what_comes_from_a_file_is_escaped(text, page):
     assert "<script>alert" not in text
     assert len(page.all("script")) == 1
-    assert TRICKY in page.one("claims")["text"]
-    assert TRICKY in page.one("audit")["text"]
+    assert [name for name in ("claims", "audit") if TRICKY not in page.one(name)["text"]] == []
 
 
 def test_a_run_ends_with_table_10(inputs):

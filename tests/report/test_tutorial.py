@@ -1,14 +1,12 @@
 """Tutorials run as pages show them, and their scripts become pages."""
 
-from pathlib import Path
-
 import pytest
+from experiment_example import ROOT
 from printed import same_output
 from realdata import folder, needs_real_data
 
 from repro.report.tutorial import cells, run_tutorial
 
-ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / "docs" / "reference" / "tutorials"
 
 
