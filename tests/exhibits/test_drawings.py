@@ -4,17 +4,14 @@ import io
 import itertools
 import re
 import struct
-from pathlib import Path
 
 import exhibit_examples as examples
 import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from PIL import Image
-from pytest_regressions.image_regression import ImageRegressionFixture
 
 from repro.exhibits import style
 
@@ -27,7 +24,7 @@ A_LEVEL = 2e-3
 
 
 @pytest.fixture(scope="module", params=list(examples.FIGURES))
-def figure(request: pytest.FixtureRequest) -> Figure:
+def figure(request):
     """Each figure, drawn once, at the resolution of its PNG."""
     made = examples.made(request.param, examples.FRAMES[request.param]())
     made.set_dpi(style.PNG_DPI)
@@ -37,7 +34,7 @@ def figure(request: pytest.FixtureRequest) -> Figure:
     return made
 
 
-def test_figures_look_as_they_did(figure: Figure, image_regression: ImageRegressionFixture) -> None:
+def test_figures_look_as_they_did(figure, image_regression):
     small = io.BytesIO()
     Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB").reduce(4).save(small, "png", optimize=True)
     image_regression.check(small.getvalue(), diff_threshold=A_LEVEL, basename=f"look-{figure.get_label()}")
@@ -45,24 +42,22 @@ def test_figures_look_as_they_did(figure: Figure, image_regression: ImageRegress
 
 # Two of them, one for each width: they share one style, and CI compares all figures of two runs of the workflow.
 @pytest.mark.parametrize(("name", "width"), [("fig10", 1050), ("fig20", 2148)])
-def test_files_of_figures_are_whole_and_the_same_under_any_settings(name: str, width: int, tmp_path: Path) -> None:
+def test_files_of_figures_are_whole_and_the_same_under_any_settings(name, width, tmp_path):
     pdf, png = examples.drawn(tmp_path, name, examples.FRAMES[name]())
     with mpl.rc_context({"font.size": 20.0, "axes.edgecolor": "red", "savefig.transparent": True}):
         assert examples.drawn(tmp_path, name, examples.FRAMES[name]()) == (pdf, png)
         assert mpl.rcParams["axes.edgecolor"] == "red"
-    assert pdf.startswith(b"%PDF")
-    assert b"CreationDate" not in pdf
+    assert pdf.startswith(b"%PDF") and b"CreationDate" not in pdf
     size = struct.unpack(">II", png[16:24])
     assert size[0] == width
     box = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+) ?\]", pdf)
     assert [float(points) / 72 for points in box.groups()] == pytest.approx(np.array(size) / 300, abs=0.01)
 
 
-def test_words_are_whole_large_and_apart_and_say_what_is_simulated(figure: Figure) -> None:
+def test_words_are_whole_large_and_apart_and_say_what_is_simulated(figure):
     assert figure.get_size_inches()[0] in (3.5, 7.16)
     whole = figure.get_tightbbox()
-    assert min(whole.min) > -0.01
-    assert (whole.max < figure.get_size_inches() + 0.01).all()
+    assert min(whole.min) > -0.01 and (whole.max < figure.get_size_inches() + 0.01).all()
     texts = examples.shown_texts(figure)
     assert len(texts) > 4
     words = " ".join(text.get_text() for text, _ in texts).lower()
@@ -76,7 +71,7 @@ def test_words_are_whole_large_and_apart_and_say_what_is_simulated(figure: Figur
         assert not overlap, (one.get_text(), other.get_text())
 
 
-def test_axis_labels_carry_a_unit(figure: Figure) -> None:
+def test_axis_labels_carry_a_unit(figure):
     axes = [a for a in figure.findobj(mpl.axes.Axes) if a.axison]
     labels = [label for a in axes for label in (a.get_xlabel(), a.get_ylabel()) if label]
     for part in (figure, *figure.subfigs):
@@ -86,7 +81,7 @@ def test_axis_labels_carry_a_unit(figure: Figure) -> None:
 
 
 @pytest.mark.parametrize("name", list(examples.LAYOUTS))
-def test_tables_are_well_formed_and_laid_out_as_the_reference_keeps_them(name: str, tmp_path: Path) -> None:
+def test_tables_are_well_formed_and_laid_out_as_the_reference_keeps_them(name, tmp_path):
     tex, md = examples.laid_out(tmp_path, name, examples.TABLES[name]())
     for kind, text in (("tex", tex), ("md", md)):
         assert name == NOT_KEPT or text == (examples.REFERENCE / f"{name}.{kind}").read_text(encoding="utf-8")

@@ -1,20 +1,18 @@
 """Text and tables in LaTeX and Markdown: escaped, balanced, and a message that names what is wrong."""
 
 import re
-from pathlib import Path
 
 from exhibit_examples import TABLES, laid_out
 from experiment_example import refused
 from hypothesis import given
 from hypothesis import strategies as st
 from kept import same
-from pytest_regressions.file_regression import FileRegressionFixture
 
 from repro.exhibits import markup
 
 
 @given(st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S", "Zs"))))
-def test_text_is_escaped(text: str) -> None:
+def test_text_is_escaped(text):
     tex = markup.plain(text).tex
     # What is left once every command and escape is taken away holds nothing that LaTeX would read as a command.
     words = r"\$\\times\$|\\text(backslash|asciitilde|asciicircum|less|greater|bar)\{\}|\\[{}$&%#_]"
@@ -23,7 +21,7 @@ def test_text_is_escaped(text: str) -> None:
 
 
 @given(st.text("mlcx12 ()|^*+-/_%&#{}$<>~.", max_size=30))
-def test_formulas_balance(text: str) -> None:
+def test_formulas_balance(text):
     made = markup.formula(text)
     bare = re.sub(r"\\[^A-Za-z]", "", made.tex)
     assert bare.count("{") == bare.count("}")
@@ -32,18 +30,18 @@ def test_formulas_balance(text: str) -> None:
     assert "|" not in re.sub(r"\\.", "", made.md)
 
 
-def test_a_table_names_what_is_missing(tmp_path: Path) -> None:
+def test_a_table_names_what_is_missing(tmp_path):
     frame = TABLES["table07"]()
     assert re.search(r"table07\.csv.*N4", refused(laid_out, tmp_path, "table07", frame[frame["case"] != "N4"]))
 
 
-def test_losses_of_interpretations_are_times_10000(tmp_path: Path, file_regression: FileRegressionFixture) -> None:
+def test_losses_of_interpretations_are_times_10000(tmp_path, file_regression):
     tex, md = laid_out(tmp_path, "ablation", TABLES["ablation"]())
     assert "| as configured | 40000 | 1.25 |" in md
     file_regression.check(f"{tex}\n{md}", check_fn=same, basename="ablation")
 
 
-def test_formulas_within_sentences(tmp_path: Path) -> None:
+def test_formulas_within_sentences(tmp_path):
     finding = TABLES["audit"]().iloc[:1].assign(arithmetic="I3 - lambda_R1^max >= -2 x 10^-3 m^2 & 5 %, g_f -> exp(x)")
     tex, md = laid_out(tmp_path, "audit", finding)
     assert r"$I_{3}$ $-$ $\lambda _{R1}^{\max}$ $\geq$ $-$2 $\times$ 10$^{-3}$ m$^{2}$ \& 5 \%," in tex

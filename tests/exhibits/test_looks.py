@@ -12,18 +12,18 @@ from repro.exhibits import style
 from repro.identification.method import TABLE_METHODS
 
 
-def lightness(name: str) -> float:
+def lightness(name):
     return float(np.dot(to_rgb(style.STROKES[name]["color"]), (0.299, 0.587, 0.114)))
 
 
-def test_pairs_that_meet_differ_in_greyscale() -> None:
+def test_pairs_that_meet_differ_in_greyscale():
     for one, other in (("joint1", "joint2"), ("actual", "rebuilt"), ("train", "test"), ("median", "mean")):
         assert abs(lightness(one) - lightness(other)) > 0.2
         first, second = style.STROKES[one], style.STROKES[other]
         assert (first["linestyle"], first["linewidth"]) != (second["linestyle"], second["linewidth"])
 
 
-def test_spectrum_says_what_it_leaves_out() -> None:
+def test_spectrum_says_what_it_leaves_out():
     frame = FRAMES["fig14"]()
     left_out = re.search(r"Not shown: ([\d.]+) to ([\d.]+) Hz", made("fig14", frame).get_supxlabel())
     assert float(left_out[2]) == pytest.approx(frame["x"].max(), rel=1e-2)
@@ -33,18 +33,17 @@ def test_spectrum_says_what_it_leaves_out() -> None:
     assert made("fig17", FRAMES["fig17"]()).get_supxlabel() == ""
 
 
-def test_methods_differ_in_lightness_line_and_mark() -> None:
+def test_methods_differ_in_lightness_line_and_mark():
     assert tuple(style.METHODS) == TABLE_METHODS
     for one, other in itertools.combinations(("measured", *RIVALS), 2):
         assert abs(lightness(one) - lightness(other)) > 0.15, (one, other)
         assert style.STROKES[one]["linestyle"] != style.STROKES[other]["linestyle"] or "measured" in (one, other)
     looks = {(s["color"], str(s["linestyle"])) for s in (style.STROKES[method] for method in style.METHODS)}
-    assert len(looks) == len(style.METHODS)
     marks = {(m["marker"], m.get("fillstyle")) for m in (style.MARKS[method] for method in style.METHODS)}
-    assert len(marks) == len(style.METHODS)
+    assert len(looks) == len(marks) == len(style.METHODS)
 
 
-def test_rows_of_the_map_are_those_of_their_labels() -> None:
+def test_rows_of_the_map_are_those_of_their_labels():
     whole = FRAMES["study"]()
     missing = (whole["method"] == "algorithm1") & (whole["prior"] == "wide") & (whole["excitation"] == "eq10")
     frame = whole[~missing][::-1]

@@ -28,8 +28,7 @@ def test_every_table_and_figure_of_the_paper_is_there_once_in_its_order():
     labels = [exhibit.label for exhibit in catalogue.EXHIBITS if exhibit.label[-1].isdigit()]
     assert labels == [*(f"Table {n}" for n in range(1, 11)), *(f"Figure {n}" for n in range(1, 25))]
     names = [(exhibit.kind, exhibit.name) for exhibit in catalogue.EXHIBITS]
-    assert len(set(names)) == len(names)
-    assert len({exhibit.target for exhibit in catalogue.EXHIBITS}) == len(names)
+    assert len(set(names)) == len({exhibit.target for exhibit in catalogue.EXHIBITS}) == len(names)
 
 
 @pytest.fixture(scope="module")

@@ -2,23 +2,21 @@
 
 import itertools
 import re
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from exhibit_examples import FRAMES, drawn, made
 from experiment_example import refused
 
-from repro.exhibits.schematics import Box, layout_of, words
+from repro.exhibits.schematics import layout_of, words
 
 
-def links(name: str) -> pd.DataFrame:
+def links(name):
     frame = FRAMES[name]()
     return frame[frame["element"] == "link"]
 
 
-def reach(point: np.ndarray, box: Box, diamond: bool = False) -> float:
+def reach(point, box, diamond=False):
     """Distance of a point from the middle of a box: 1 on its edge, less inside."""
     middle = np.array([box.left + box.width / 2, box.bottom + box.height / 2])
     far = np.abs(np.array(point) - middle) / (box.width / 2, box.height / 2)
@@ -26,7 +24,7 @@ def reach(point: np.ndarray, box: Box, diamond: bool = False) -> float:
 
 
 @pytest.mark.parametrize("name", ["fig02", "fig03", "fig04"])
-def test_arrows_of_the_table_run_from_edge_to_edge_and_through_no_box(name: str) -> None:
+def test_arrows_of_the_table_run_from_edge_to_edge_and_through_no_box(name):
     layout, ways = layout_of(name), links(name).set_index("name")
     assert set(ways.index) == set(layout["routes"])
     for key, route in layout["routes"].items():
@@ -39,7 +37,7 @@ def test_arrows_of_the_table_run_from_edge_to_edge_and_through_no_box(name: str)
             assert all(reach(point, box) > 0.97 for point in np.linspace(one, other, 101) for box in solid), route
 
 
-def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key() -> None:
+def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key():
     figure = made("fig01", FRAMES["fig01"]())
     words = [text.get_text() for text in figure.axes[0].texts]
     for symbol in FRAMES["fig01"]()["symbol"]:
@@ -55,7 +53,7 @@ def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key() -> None:
     ("torque", "visited"),
     [(5000, ["Upper limit"]), (1024, ["Upper limit"]), (1023, []), (-1023, []), (-1024, ["Lower limit"])],
 )
-def test_control_chart_saturates_and_comes_back_to_its_start(torque: int, visited: list[str]) -> None:
+def test_control_chart_saturates_and_comes_back_to_its_start(torque, visited):
     ways = links("fig03")
     answers = {"Upper check": torque > 1023, "Lower check": torque < -1023}
     place, path = "Sample i", []
@@ -73,25 +71,24 @@ def test_control_chart_saturates_and_comes_back_to_its_start(torque: int, visite
     assert {"Position error", "Velocity difference"} == set(ways.loc[ways["end"] == "Torque", "start"])
 
 
-def test_method_runs_through_its_nine_steps_and_back() -> None:
+def test_method_runs_through_its_nine_steps_and_back():
     ways = links("fig04")
     steps = [box for box in layout_of("fig04")["boxes"] if box[0].isdigit()]
     assert [step[0] for step in steps] == list("123456789")
     pairs = set(zip(ways["start"], ways["end"], strict=True))
     assert set(itertools.pairwise(steps)) <= pairs
     out = ways[ways["start"] == "8 Decision"].set_index("end")["label"]
-    assert out["9 Adjustment"] == "yes"
-    assert out["1 Initialise"].startswith("no")
+    assert out["9 Adjustment"] == "yes" and out["1 Initialise"].startswith("no")
     assert {"2 Image", "6 Torque", "7 Similarity", "9 Adjustment"} == set(ways.loc[ways["start"] == "Signals", "end"])
 
 
-def test_a_label_too_long_for_its_box_is_refused(tmp_path: Path) -> None:
+def test_a_label_too_long_for_its_box_is_refused(tmp_path):
     frame = FRAMES["fig02"]()
     frame.loc[9, "label"] = "word " * 40
     assert re.search(r"fig02\.csv.*lines of words", refused(drawn, tmp_path, "fig02", frame))
 
 
-def test_answers_follow_the_sentences_of_section_i_a() -> None:
+def test_answers_follow_the_sentences_of_section_i_a():
     by_work = words("table01").set_index("reference")
     assert list(by_work.index) == [*(f"[{number}]" for number in range(11, 29)), "this article"]
     by_squares = {f"[{n}]" for n in (16, 18, 19, 20, 23, 24, 26, 27, 28)}
