@@ -90,10 +90,10 @@ class Chromium:
         """Parameters of every event of one kind."""
         return [event["params"] for event in self.events if event.get("method") == method]
 
-    def open(self, path, fragment=""):
+    def open(self, path):
         """Open a file and wait until it is loaded."""
         loads = len(self.seen("Page.loadEventFired"))
-        self.send("Page.navigate", url=Path(path).resolve().as_uri() + fragment)
+        self.send("Page.navigate", url=Path(path).resolve().as_uri())
         while len(self.seen("Page.loadEventFired")) == loads:
             self.events.append(self._receive())
 
