@@ -68,11 +68,13 @@ def write_results(folder):
     # One per cent too high.
     estimated = [(case, "algorithm1", arms[case], [1.01 * value for value in arms[case]]) for case in NUMERIC]
     numeric, experiment = similarities(NUMERIC, METHODS), similarities(EXPERIMENT, METHODS)
+    bounds = ["method", "quantity", "symbol", "value", "bound", "holds"]
     stability = [
         (method, quantity, "", scale * value, scale * bound, True)
         for method, scale in (("algorithm1", 2.0), ("true", 3.0), ("appendix", 1.0))
         for quantity, (value, bound) in APPENDIX.items()
     ]
+    history = {"step": [100, 200], "learning_rate": 1e-3, "train_loss": 0.1, "test_loss": [0.02, LOSS]}
     files = {
         "tables/table04.csv": parameters(*estimated[:2]),
         "tables/table05.csv": parameters(*estimated[2:]),
@@ -81,13 +83,9 @@ def write_results(folder):
         "tables/table08.csv": similarities(["tracking"], {"pd": 0.9967}),
         "tables/table09.csv": parameters(*(("ID", method, [1.0] * 9, found) for method, found in ARM.items())),
         "tables/table10.csv": experiment,
-        "tables/stability.csv": pd.DataFrame(
-            stability, columns=["method", "quantity", "symbol", "value", "bound", "holds"]
-        ),
+        "tables/stability.csv": pd.DataFrame(stability, columns=bounds),
         "tables/board_size.csv": read_csv(ROOT / "docs/reference/tables/board_size.csv"),
-        "model/training.csv": pd.DataFrame(
-            {"step": [100, 200], "learning_rate": [1e-3, 1e-3], "train_loss": [0.1, 0.1], "test_loss": [0.02, LOSS]}
-        ),
+        "model/training.csv": pd.DataFrame(history),
         "validation/numeric.csv": pd.concat([scores(numeric).assign(trajectory=name) for name in ("ID", "validation")]),
         "validation/experiment.csv": scores(experiment),
     }

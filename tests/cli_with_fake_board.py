@@ -7,8 +7,7 @@ from fake_board import PlayedBoard, frames_of, metadata
 
 from repro.signals.programs import ReferenceTrajectory
 
-SAMPLES = 200
-DESIRED, FRAMES = frames_of(SAMPLES)
+DESIRED, FRAMES = frames_of(200)
 
 
 def load_config(path):

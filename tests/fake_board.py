@@ -38,11 +38,9 @@ class PlayedBoard:
     """Sends a motion, again after each start."""
 
     def __init__(self, frames, silent=False):
-        self.frames = frames
-        self.silent = silent
+        self.frames, self.silent = frames, silent
         self.place = self.end = 0
-        self.messages = []
-        self.refusals = []
+        self.messages, self.refusals = [], []
         self._decoder = MessageDecoder()
 
     @property

@@ -9,8 +9,7 @@ from repro.model.dynamics import inverse_dynamics
 
 #: Parameters of the arm, about those of a small geared one: I1, I2, I3, g1, g2, b1, b2, k1, k2.
 BETA = np.array([0.125, 0.068, 0.025, 3.3, 1.1, 0.07, 0.04, 0.2, 0.15])
-RATE = 200.0
-SECONDS = 12.0
+RATE, SECONDS = 200.0, 12.0
 
 
 @dataclass(frozen=True)

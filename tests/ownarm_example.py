@@ -66,15 +66,14 @@ def example_result(**changes):
         method("cnn", "Algorithm 1 with refinement", 1.1, (0.036, 0.09), parameters=parameters(0.96, 0.016, False),
                claims_intervals=False, halves=()),
     )  # fmt: skip
+    fractions = (0.12, 0.051, 0.031, 0.81, 0.33, 0.04, 0.009, 0.11, 0.14)
     given = {
         "arm": "Double pendulum A.0",
         "simulated": False,
         "log": Description(LOGS[0], facts, ("Positions were unwrapped.",), ("The torque is at its limit.",)),
         "validation_logs": (Description(LOGS[1], (("Samples", "2 000 at 200.0 Hz"), ("Gaps", "none")), (), ()),),
         "preparation": Preparation("zero-phase DCT pair", 5.2, "a reason", 0.0051, 20.0, 60.0, 4470, 0.3),
-        "excitation": Excitation(
-            9, 41.7, (0.12, 0.051, 0.031, 0.81, 0.33, 0.04, 0.009, 0.11, 0.14), (-0.94, -0.97), ("b2",), NAMES
-        ),
+        "excitation": Excitation(9, 41.7, fractions, (-0.94, -0.97), ("b2",), NAMES),
         "methods": methods,
         "recommended": "consistent",
         "reason": "smallest torque error on the validation logs among the physically consistent methods",

@@ -11,6 +11,5 @@ def same_output(printed: str, shown: str) -> bool:
         return False
     pairs = list(zip(NUMBER.findall(printed), NUMBER.findall(shown), strict=True))
     digits = [max(len(number.partition(".")[2]) for number in pair) for pair in pairs]
-    return all(
-        a == b or (n and abs(float(a) - float(b)) < 1.01 * 10.0**-n) for (a, b), n in zip(pairs, digits, strict=True)
-    )
+    both = zip(pairs, digits, strict=True)
+    return all(a == b or (n and abs(float(a) - float(b)) < 1.01 * 10.0**-n) for (a, b), n in both)

@@ -52,8 +52,7 @@ def refusal(read, path):
     began = time.process_time()
     message = refused(read, path)
     assert time.process_time() - began < 5.0
-    assert message.startswith(str(path))
-    assert len(message) < 600
+    assert message.startswith(str(path)) and len(message) < 600
     place, _, rest = message.removeprefix(str(path)).partition("found ")
     return place.strip(": "), rest
 

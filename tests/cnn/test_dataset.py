@@ -26,8 +26,7 @@ SAMPLED = sample_motion(MOTION, SIGNALS, unmodelled=True)
 
 #: With a divisor of 1 the factors are alpha and psi themselves.
 BARE = ImageSettings("constant", 1.0)
-EXACT = GuessSettings(exact_share=1.0, near_share=0.0)
-FAR = GuessSettings(exact_share=0.0, near_share=0.0)
+EXACT, FAR = (GuessSettings(exact_share=share, near_share=0.0) for share in (1.0, 0.0))
 
 
 def draw(seed=0, n=8, motion=SAMPLED, **choices):
@@ -57,8 +56,7 @@ def test_model_is_equation_1_on_the_subsampled_motion(normalise):
     for arm in literal.ARMS.values():
         np.testing.assert_allclose(sampled.model @ arm, inverse_dynamics(*motion, arm), rtol=0, atol=1e-11)
     np.testing.assert_array_equal(sampled.torque, SAMPLED.torque)  # the torque is always that of the real motion
-    direct = image_regressor(MOTION.q, MOTION.dq, MOTION.ddq, chosen)
-    np.testing.assert_array_equal(direct, sampled.model)
+    np.testing.assert_array_equal(image_regressor(MOTION.q, MOTION.dq, MOTION.ddq, chosen), sampled.model)
 
 
 @pytest.mark.parametrize(("label", "tolerance"), [("largest-torque", 2e-5), ("physical", 2e-3)])

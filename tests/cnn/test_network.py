@@ -60,8 +60,7 @@ def test_outputs_and_gradients_of_the_factored_network_are_those_of_the_plain_on
     u, v = factors(seed, 3, sizes.image_size)
     weights = torch.from_numpy(np.random.default_rng(seed).normal(size=(3, 9)))
     expected, found = plain(torch.from_numpy(assemble(u.numpy(), v.numpy()))), factored(u, v)
-    assert found.dtype == u.dtype
-    assert found.shape == (3, 9)
+    assert (found.dtype, found.shape) == (u.dtype, (3, 9))
     assert (found - expected).abs().max() <= 1e-10 * expected.abs().max()
     right, ours = gradients(plain, expected, weights), gradients(factored, found, weights)
     assert ours.keys() == right.keys()

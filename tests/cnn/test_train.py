@@ -209,8 +209,7 @@ def test_evaluation_is_the_mean_loss_whatever_the_batch(dtype, tolerance):
 def test_without_bfloat16_or_onednn_training_is_in_single_precision(monkeypatch, flags, onednn):
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: flags)
     monkeypatch.setattr(torch.backends.mkldnn, "is_available", lambda: onednn)
-    assert on_this_processor("auto") == "float32"
-    assert on_this_processor("bfloat16") == "bfloat16"
+    assert [on_this_processor(name) for name in ("auto", "bfloat16")] == ["float32", "bfloat16"]
 
 
 def test_a_limit_set_for_onednn_is_respected():
@@ -239,9 +238,8 @@ def test_steps_are_those_of_the_library_within_its_bfloat16():
     kernel = torch.randn(10, 2, 9, 9, generator=rng)
     own, its = (torch.nn.Parameter(w.clone()) for w in (kernel, kernel.flatten(1)))
     muon = Muon([own], 0.01, torch.float32)
-    library = torch.optim.Muon(
-        [its], 0.01, weight_decay=0.0, adjust_lr_fn="match_rms_adamw", ns_steps=QUINTIC_TIMES, ns_coefficients=QUINTIC
-    )
+    polynomial = {"ns_steps": QUINTIC_TIMES, "ns_coefficients": QUINTIC}
+    library = torch.optim.Muon([its], 0.01, weight_decay=0.0, adjust_lr_fn="match_rms_adamw", **polynomial)
     for _ in range(20):
         own.grad = torch.randn(kernel.shape, generator=rng)
         its.grad = own.grad.flatten(1)

@@ -29,8 +29,7 @@ NAMES = ["arm", "a<b & \"c\" 'd'", "<!-- no -->", "ключ é 大", "{name} %s"
 @st.composite
 def consistent_betas(draw, near=0.999):
     """Parameters of some arm; I2^2 / 4 up to `near`^2 of I3 (I1 - I3). g1 may have either sign."""
-    i3 = draw(st.floats(0.01, 1.0))
-    excess = draw(st.floats(0.01, 1.0))
+    i3, excess = draw(st.floats(0.01, 1.0)), draw(st.floats(0.01, 1.0))
     i2 = 2.0 * draw(st.floats(0.05, near)) * np.sqrt(i3 * excess)
     g1, g2 = draw(st.floats(-10.0, 30.0)), 0.5 * i2 * STANDARD_GRAVITY / draw(st.floats(0.05, 1.0))
     return np.array([i3 + excess, i2, i3, g1, g2, *(draw(st.floats(0.0, 1.0)) for _ in range(4))])
@@ -72,8 +71,7 @@ def test_the_links_are_bodies_and_have_the_given_parameters(beta, gravity, lengt
     assert abs(links.lc1) <= 0.5 * links.l1 * (1.0 + 1e-9)
     for moments in (principal_inertia(links.j1), principal_inertia(links.j2)):
         small, middle, large = sorted(moments)
-        assert small > 0.0
-        assert small + middle >= large
+        assert small > 0.0 and small + middle >= large
 
 
 def test_a_uniform_rod_is_found_again():

@@ -21,8 +21,7 @@ def test_every_file_has_its_listed_checksum():
 def test_a_capture_is_marked_as_simulated_and_came_over_a_port(motion):
     sidecar = json.loads((CAPTURES / f"{motion}.json").read_text(encoding="utf-8"))
     assert sidecar["source"] == sidecar["board"]["board"] == "simulated"
-    assert sidecar["motion"] == motion
-    assert sidecar["host"]["baud"] == 115200
+    assert (sidecar["motion"], sidecar["host"]["baud"]) == (motion, 115200)
     # In real time: all samples took as long as 2.5 ms each, the last chunk holding the last frame.
     received, seconds = sidecar["host"]["chunks"][-1]
     assert received == sidecar["bytes"]

@@ -36,8 +36,7 @@ def test_rank_condition_and_correlation_of_friction_are_those_of_the_columns_of_
     a = unit_length(r)
     assert result.rank == np.linalg.matrix_rank(a) == 9
     assert result.condition == pytest.approx(np.linalg.cond(a), rel=1e-9)
-    assert result.base_parameters == NAMES
-    assert result.determined == (True,) * 9
+    assert (result.base_parameters, result.determined) == (NAMES, (True,) * 9)
     covariance = np.linalg.inv(a.T @ a)
     size = np.sqrt(np.diag(covariance))
     expected = covariance / np.outer(size, size)

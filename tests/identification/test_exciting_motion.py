@@ -23,6 +23,8 @@ ARM = Arm(
     workspace=((-0.28, 0.26), (-0.4, 0.02)),
     link_lengths=(0.165, 0.150),
 )
+#: Keys of an arm that rests at 1.5 rad and cannot carry itself there.
+WEAK = {"position_limit": ((1, 2), (-1, 1)), "torque_limit": (0.5, 1.0)}
 
 
 def designed(limits, seed=1, finer=1):
@@ -130,11 +132,7 @@ def test_expected_intervals_are_those_of_repeated_least_squares(motion):
         ({"speed_limit": None}, None, "speed_limit: found nothing, expected two numbers above 0"),
         ({"workspace": BOTH}, None, "link_lengths: found nothing, expected two numbers above 0, m, because"),
         ({"workspace": ((0, 1), (0, 1)), "link_lengths": (0.2, 0.2)}, None, "for the arm at rest at 0, 0 rad"),
-        (
-            {"position_limit": ((1, 2), (-1, 1)), "torque_limit": (0.5, 1.0)},
-            BETA,
-            "torque_limit: found (0.5, 1.0), expected room for the arm at rest at 1.5, 0 rad",
-        ),
+        (WEAK, BETA, "torque_limit: found (0.5, 1.0), expected room for the arm at rest at 1.5, 0 rad"),
     ],
 )
 def test_limits_that_are_missing_or_leave_no_room_are_refused(keys, guess, words):

@@ -243,8 +243,7 @@ def test_rows_that_a_wrong_torque_reaches_through_the_filters_are_left_out():
     whole, r = prepare(LOG, setting), prepare(replace(damaged, left_out=wrong), setting)
     assert r.mask[1].all()
     out = r.t[~r.mask[0]]
-    assert 4.8 < out.min() < 5.0
-    assert 5.2 < out.max() < 5.4
+    assert 4.8 < out.min() < 5.0 and 5.2 < out.max() < 5.4
     np.testing.assert_allclose(r.tau[r.mask], whole.tau[r.mask], atol=0.05 * 5.0)
     np.testing.assert_array_equal(drop_standstill(r).mask, drop_standstill(whole).mask & r.mask)
     error = [np.abs(solve(x.y, x.tau) - BETA).max() for x in (r, prepare(damaged, setting))]

@@ -46,8 +46,7 @@ def test_every_method_keeps_the_contract(name, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         first, second = method.estimate(regression), method.estimate(regression)
-    assert first.beta.shape == (9,)
-    assert np.isfinite(first.beta).all()
+    assert first.beta.shape == (9,) and np.isfinite(first.beta).all()
     assert all("\n" not in note for note in first.notes)
     assert first.beta.tobytes() == second.beta.tobytes() == method.repeat(regression, first).tobytes()
     assert (first.notes, first.choice) == (second.notes, second.choice)

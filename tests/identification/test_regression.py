@@ -75,8 +75,9 @@ def test_whiteness_of_a_residual_made_by_hand():
     assert residual_autocorrelation(residual, BETA, 1 / H) == pytest.approx((0.25, -0.75))
     assert residual_autocorrelation(residual, BETA, 0.5 / H) == pytest.approx((-0.3, 0.5))
     # A lag beyond the log, a residual that is constant, and one that is zero.
-    assert residual_autocorrelation(residual, BETA, 0.1 / H) == (0.0, 0.0)
-    assert residual_autocorrelation(flat, BETA, 1 / H) == (0.0, 0.0)
+    assert (
+        residual_autocorrelation(residual, BETA, 0.1 / H) == residual_autocorrelation(flat, BETA, 1 / H) == (0.0, 0.0)
+    )
 
 
 # A Gaussian prior, against Bayesian linear regression in closed form and a simulated arm with known truth.

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from log_example import BETA, log_of, motion, recording
+from log_example import BETA, RATE, log_of, motion, recording
 from regression_example import regression_of
 from scipy.integrate import solve_ivp
 
@@ -15,7 +15,6 @@ from repro.logs.log import Log
 from repro.model.dynamics import forward_dynamics, inverse_dynamics
 from repro.model.parameters import NAMES
 
-RATE = 200.0
 #: A drive that holds each sample acts half a period late.
 HELD = FilterSettings(delay=0.5 / RATE)
 #: I2 from which on M(q) is not positive definite.

@@ -19,9 +19,8 @@ from repro.logs.load import read_log
 GOOD = recording(np.arange(600) / RATE)
 START = 1_700_000_000_123_456_789
 STORE = get_typestore(Stores.ROS2_HUMBLE)
-JointState, Header, Time = (
-    STORE.types[name] for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
-)
+TYPES = ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+JointState, Header, Time = (STORE.types[name] for name in TYPES)
 
 
 def states(r=GOOD, names=("joint1", "joint2"), velocity=True, stamped=True):

@@ -122,8 +122,7 @@ def test_bad_beta_is_refused_everywhere(call, bad):
 
 
 ARM = dynamics.ArmGeometry(0.165, 0.150)
-lengths = st.floats(0.05, 2.0)
-angles = st.floats(-np.pi, np.pi)
+lengths, angles = st.floats(0.05, 2.0), st.floats(-np.pi, np.pi)
 
 
 def column(*values):
@@ -154,8 +153,7 @@ def test_the_tip_lands_on_the_point(l1, l2, share, direction):
     p = r * column(np.cos(direction), np.sin(direction))
     q = dynamics.inverse_kinematics(p, arm)
     np.testing.assert_allclose(dynamics.forward_kinematics(q, arm)[1], p, rtol=0, atol=2e-12 * arm.reach)
-    assert -np.pi < q[0, 0] <= np.pi
-    assert q[1, 0] >= 0
+    assert -np.pi < q[0, 0] <= np.pi and q[1, 0] >= 0
 
 
 def test_an_arm_that_points_straight_up_is_at_half_a_turn_and_not_at_minus_that():

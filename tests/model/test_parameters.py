@@ -54,9 +54,8 @@ def test_positive_definite_agrees_with_eigenvalues(i1, i2, i3):
 @pytest.mark.parametrize(("arm", "definite"), [("N1", True), ("N2", False), ("N3", False), ("N4", True)])
 def test_published_arms_are_positive_but_two_are_not_positive_definite(arm, definite):
     beta = ARMS[arm]
-    assert is_positive(beta)
-    assert is_positive_definite(beta) == definite
-    assert (smallest_eigenvalue(beta) > 0.0) == definite
+    found = (is_positive(beta), is_positive_definite(beta), smallest_eigenvalue(beta) > 0.0)
+    assert found == (True, definite, definite)
 
 
 @pytest.mark.parametrize("value", [0.0, -1e-12])

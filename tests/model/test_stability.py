@@ -24,9 +24,8 @@ def test_the_six_printed_numbers():
     rho, epsilon, gamma, lam = 0.1, 0.001, 0.0025, 20.0
     q2 = np.linspace(-np.pi, np.pi, 4001)
     c, x = np.cos(q2), 0.25 * epsilon * i2 * q2 * np.sin(q2)
-    m = np.linalg.eigvalsh(
-        np.moveaxis(np.array([[i1 + i2 * c, i3 + i2 * c / 2], [i3 + i2 * c / 2, i3 + 0 * c]]), -1, 0)
-    )
+    inertia = np.array([[i1 + i2 * c, i3 + i2 * c / 2], [i3 + i2 * c / 2, i3 + 0 * c]])
+    m = np.linalg.eigvalsh(np.moveaxis(inertia, -1, 0))
     h = np.linalg.eigvalsh(np.moveaxis(np.array([[b1 + 0 * x, -x], [-x, b2 + 2 * x]]), -1, 0))
     q = np.linalg.eigvalsh([[g1 + g2, g2], [g2, g2]])
     corner, cross = rho * epsilon * q[0], 0.5 * epsilon * (max(b1, b2) + max(k1, k2))
@@ -110,5 +109,4 @@ def test_the_constants_do_not_depend_on_which_joint_has_less_coulomb_friction():
 
 def test_an_arm_that_is_not_physical_breaks_conditions():
     ours = stability_constants(ARM * np.where(np.arange(9) == 4, -1.0, 1.0))  # g2 < 0: Q is indefinite
-    assert not ours.conditions["potential"]
-    assert not ours.conditions["energy"]
+    assert [ours.conditions[name] for name in ("potential", "energy")] == [False, False]

@@ -90,8 +90,7 @@ OTHER_SETTINGS = {
 @pytest.mark.parametrize(("motion", "change"), OTHER_SETTINGS.values(), ids=OTHER_SETTINGS)
 def test_a_stored_capture_of_other_settings_is_refused(tmp_path, motion, change):
     message = refused(acquire, motion, tmp_path / f"{motion}.bin", changed(CONFIG, **change))
-    assert message.startswith(str(CAPTURES / motion))
-    assert "source: simulated" in message
+    assert message.startswith(str(CAPTURES / motion)) and "source: simulated" in message
     assert not list(tmp_path.iterdir())
 
 
@@ -132,8 +131,7 @@ def test_an_arm_that_does_not_move_is_refused(tmp_path, joint):
     position, pwm = followed(program_from_config(SHORT, "T4"), SHORT)
     position[joint - 1] = 3
     message = refused(read_recording, capture(tmp_path, "T4", SHORT, encode(position, pwm)), SHORT)
-    assert f"joint {joint}" in message
-    assert "no motion" in message
+    assert f"joint {joint}" in message and "no motion" in message
 
 
 @pytest.mark.parametrize("part", [slice(0, -80), slice(80, None), slice(0, 8 * 2400 - 3)], ids=["end", "start", "cut"])

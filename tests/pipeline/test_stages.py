@@ -56,8 +56,7 @@ def test_a_mean_torque_of_another_length_is_refused(results, rows):
     lines = lines[:rows] if rows < 0 else [*lines, lines[-1]]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     message = refused(identifications.read_mean_torque, path, SIGNALS)
-    assert message.startswith(str(path))
-    assert "3770" in message
+    assert message.startswith(str(path)) and "3770" in message
 
 
 def edited(change):

@@ -23,9 +23,8 @@ def test_dct2sub_resamples_a_band_limited_signal_exactly(seed, sizes):
     # N is hardly ever a multiple of M here. Any sum of the first M cosines is the same curve seen at M points.
     m, n = sizes
     amplitude = np.random.default_rng(seed).normal(size=m)
-    curve_n, curve_m = (
-        amplitude @ np.cos(np.pi * np.outer(np.arange(m), np.arange(0.5, size)) / size) for size in (n, m)
-    )
+    turns = (np.pi * np.outer(np.arange(m), np.arange(0.5, size)) / size for size in (n, m))
+    curve_n, curve_m = (amplitude @ np.cos(turn) for turn in turns)
     np.testing.assert_allclose(dct2sub(curve_n, m), curve_m, rtol=0, atol=1e-9)
 
 

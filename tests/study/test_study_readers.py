@@ -110,9 +110,8 @@ def test_networks_of_algorithm_1_learn_the_listed_arms_with_the_seed_of_the_stud
     _, data, _, settings, *_ = train.call_args.args
     found = data.prior(rng(4), 2000)
     np.testing.assert_array_equal(np.unique(found, axis=0), np.unique(arms, axis=0))
-    assert repr(data) != repr(
-        dataclasses.replace(data, prior=ListedPrior(arms[1:]))
-    )  # of the fingerprint of a training
+    other = dataclasses.replace(data, prior=ListedPrior(arms[1:]))
+    assert repr(data) != repr(other)  # of the fingerprint of a training
     assert settings.seed == 7
 
 

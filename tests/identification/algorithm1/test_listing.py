@@ -135,9 +135,8 @@ def test_batched_search_is_the_listing(monkeypatch, seed, normalise, scale, gain
     found = search(reader, ready, settings, np.random.default_rng(seed))
     chosen = select(found.beta, ready, settings)
     streams = np.random.default_rng(seed).spawn(settings.executions)
-    beta_m, execution, n_e, images, beta_o, similarity = literal.algorithm1(
-        literal.plain_twin(network), MOTION.q, TAU, MEAN, signals, CUT, settings, streams, scale
-    )
+    given = (literal.plain_twin(network), MOTION.q, TAU, MEAN, signals, CUT, settings, streams, scale)
+    beta_m, execution, n_e, images, beta_o, similarity = literal.algorithm1(*given)
     # Every branch was taken, none by a hair.
     ended = {k for k, n in zip(execution, n_e, strict=True) if n >= SEARCH.threshold}
     assert len(beta_m) >= 20

@@ -108,9 +108,8 @@ def test_infeasible_candidates_are_not_kept(feasibility, feed_back):
     beta_m = beta_m[possible(beta_m)]
     estimator = literal.Estimator(lambda guess: guess - [0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     search = replace(SEARCH, feasibility=feasibility)
-    found = refined(
-        estimator, beta_m, restarts=0, passes=4, keep=10_000, search=search, feed_back=feed_back, jitter=0.05
-    )
+    moves = {"restarts": 0, "passes": 4, "keep": 10_000, "jitter": 0.05}
+    found = refined(estimator, beta_m, search=search, feed_back=feed_back, **moves)
     assert possible(found).all()
     # There is room for all, so only the impossible are missing; a guess is never below `low`.
     every = len(beta_m) * (3 if feed_back else 2) ** 4
