@@ -10,10 +10,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import serial
-from fake_board import IDENTITY, PlayedBoard, frames_of, metadata, served
+from fake_board import IDENTITY, PlayedBoard, frames_of, metadata, motion, served
 
 from repro.errors import InputError
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
+from repro.fpga.frames import encode
 from repro.fpga.link import Receiver, most_bytes, record
 from repro.fpga.messages import MessageKind, encode_message, encode_start
 from repro.fpga.server import PtyEndpoint, SocketEndpoint
@@ -31,15 +32,16 @@ def recorded(port, silence=0.2):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("make", "real_time", "silent"), [(PtyEndpoint, False, True), (PtyEndpoint, True, False), (tcp, False, False)]
+    ("make", "real_time", "identified_by"),
+    [(PtyEndpoint, False, None), (PtyEndpoint, True, MessageKind.IDENTIFY), (tcp, False, MessageKind.GAINS)],  # late
 )
-def test_a_recording_has_the_very_bytes(make, real_time, silent):
-    board = PlayedBoard(FRAMES, silent)
+def test_a_recording_has_the_very_bytes(make, real_time, identified_by):
+    board = PlayedBoard(FRAMES, identified_by)
     with served(board, make(), real_time=real_time) as port:
         data, received = recorded(port)
-    assert (data, received.board, received.end_reason) == (FRAMES, None if silent else IDENTITY, "")
-    kinds = [message.kind for message in board.messages]
-    assert kinds == [MessageKind.IDENTIFY, MessageKind.GAINS, MessageKind.TRAJECTORY, MessageKind.START]
+    assert (data, received.board, received.end_reason) == (FRAMES, identified_by and IDENTITY, "")
+    kinds = [message.kind.name for message in board.messages]
+    assert kinds == ["STOP", "IDENTIFY", "GAINS", "TRAJECTORY", "START", "STOP"]
     host = received.host
     assert (host.port, host.baud) == (port, 115200)
     offsets, seconds = np.array(host.chunks).T
@@ -102,6 +104,21 @@ def test_a_recording_that_ends_in_the_middle_stops_the_board_and_keeps_what_arri
     assert len(data) == 800 if reason == "silent" else 0 < len(data) <= 800
 
 
+def test_an_arm_away_from_its_start_and_one_that_does_not_come_to_rest_are_stopped(monkeypatch):
+    monkeypatch.setattr("repro.fpga.link._BUSY", 0.3)
+    position, pwm = motion()[1:]
+    position[1] += 1183
+    held, busy = PlayedBoard(encode(position, pwm)), PlayedBoard(FRAMES * 20)
+    for board, found in ((held, "joint 2: found 0.885 rad, expected .* hang at rest"), (busy, "still sends")):
+        with served(board, PtyEndpoint(), real_time=True) as port, pytest.raises(InputError, match=found):
+            if board is busy:
+                with serial.Serial(port) as line:
+                    line.write(encode_start(4000))
+                    line.read(16)
+            recorded(port)
+        assert board.messages[-1].kind == MessageKind.STOP and not board.running
+
+
 @pytest.mark.parametrize(
     ("frames", "found"),
     [
@@ -144,6 +161,8 @@ class Line:
 
 #: The stream without frame 100, with a byte too many before the last frame or in it, and without the last frame.
 LOST = FRAMES[:800] + bytes(8) + FRAMES[808:]
+#: A jump that looks like the loss of 111 frames.
+JUMP = encode(np.where(np.arange(200) < 100, np.zeros((2, 1)), 3000), np.zeros((2, 200)))
 LONGER, LONGEST = FRAMES[:1550] + b"\x11" + FRAMES[1550:], FRAMES[:1596] + b"\x11" + FRAMES[1596:]
 SHORT = FRAMES[:1592]
 
@@ -156,6 +175,7 @@ SHORT = FRAMES[:1592]
         (FRAMES[:1001], 100, None, 200, (FRAMES[:1001], "silent", 125)),
         (FRAMES[:1001], 100, OSError, 200, (FRAMES[:1001], "disconnected", 125)),
         (FRAMES[:1001], 100, KeyboardInterrupt, 200, (FRAMES[:1001], "interrupted", 125)),
+        (JUMP[:1001], 100, KeyboardInterrupt, 200, (JUMP[:1001], "interrupted", 125)),
         (LOST, 64, None, 200, (LOST, "", 199)),
         (LONGER, 3, None, 200, (LONGER, "", 199)),
         (LONGEST, 3, None, 200, (LONGEST, "silent", 199)),
@@ -180,7 +200,7 @@ def test_a_recording_ends_with_the_last_sample_or_keeps_what_arrived(data, size,
 def test_a_device_that_sends_no_frame_ends_a_recording(piece, seconds):
     """Each look gives the same bytes and takes so many seconds."""
     line, clock, kept = SimpleNamespace(read=lambda size: piece), count(0.0, seconds), []
-    receiver = Receiver(200, 2.0, kept.append, clock.__next__)
+    receiver = Receiver(200, 2.0, kept.append, clock=clock.__next__)
     assert (receiver.run(line, lambda done, total: None), receiver.good) == ("overrun", 0)
     assert next(clock) - seconds < 15.0  # the last look, at a motion of 0.5 s
     assert b"".join(kept) == receiver.data

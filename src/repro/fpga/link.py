@@ -14,14 +14,16 @@ from datetime import datetime
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 import serial
+from numpy.typing import ArrayLike
 
 from repro.errors import InputError
 from repro.files import writing
 from repro.fpga.capture import Capture, write_capture
-from repro.fpga.frames import FRAME_BYTES, SAMPLING_PERIOD
+from repro.fpga.frames import FRAME_BYTES, MAX_SPEED, RADIANS_PER_COUNT, SAMPLING_PERIOD
 from repro.fpga.messages import MessageDecoder, MessageKind, encode_message, encode_start, parse_identity
-from repro.fpga.parser import StreamParser
+from repro.fpga.parser import Frames, StreamParser
 from repro.fpga.sidecar import CaptureMetadata, EndReason, Host
 from repro.progress import Progress
 
@@ -39,6 +41,9 @@ _STAMP: Final = 0.05
 _READ, _WRITE = 1 << 16, 1024
 #: Seconds by which a recording may exceed twice the length of its motion: a simulated board can be slow.
 _SLACK: Final = 10.0
+#: Farthest that the arm may hang from the start of its motion, rad: a table may start 0.02 away, an undetected flipped
+#: bit adds 0.02. From there the simulated arm stays at 3 rad/s; from 0.9, where friction holds it, it exceeds 8.
+NEAR: Final = 0.05
 
 
 def most_bytes(samples: int) -> int:
@@ -54,24 +59,27 @@ def record(
     Unplugging, `silence` (s), Ctrl-C, and more bytes or seconds than the motion can take end a recording early: the
     arm is sent the command to stop, and what arrived is kept. `keep` is called with each piece as it arrives.
     """
-    receiver = Receiver(metadata.samples, silence, keep)
+    receiver = Receiver(metadata.samples, silence, keep, metadata.desired[:, 0])
     reason: EndReason = "interrupted"
     with _open(port, baud) as line:
-        with _reported(port):
-            _wait_until_quiet(line, port)
-            board = _identity(line, port)
-            _LOG.info("%s: %s", port, "no answer, so real hardware" if board is None else "a simulated board")
-            _send(line, metadata.program, Progress(f"download to {port}"))
-            _read(line)
-        began = datetime.now().astimezone().isoformat(timespec="milliseconds")
         try:
             with _reported(port):
+                _wait_until_quiet(line, port)
+                decoder = MessageDecoder()
+                # The stop makes the board forget the samples of a download that broke off.
+                _send(line, encode_message(MessageKind.STOP) + encode_message(MessageKind.IDENTIFY))
+                board = _identity(line, port, decoder, _IDENTIFY)
+                _send(line, metadata.program, Progress(f"download to {port}"))
+                if board is None:
+                    board = _identity(line, port, decoder, _QUIET)
+                _LOG.info("%s: %s", port, "no answer, so real hardware" if board is None else "a simulated board")
+                _read(line)
+                began = datetime.now().astimezone().isoformat(timespec="milliseconds")
                 _send(line, encode_start(metadata.samples))
             reason = receiver.run(line, Progress(f"recording from {port}"))
-        finally:
-            if reason:
-                with suppress(OSError):  # the arm must not go on by itself, if it can still be reached
-                    _send(line, encode_message(MessageKind.STOP))
+        finally:  # the arm must not go on by itself; after the end of a motion a stop changes nothing
+            if not _stop(line) and reason:
+                _LOG.warning("%s: no sign that the arm has stopped", port)
     if receiver.good == 0:
         if receiver.data:
             found = f"{len(receiver.data)} bytes without a frame (wrong baud rate {baud}, or another device?)"
@@ -126,10 +134,27 @@ def _wait_until_quiet(line: serial.SerialBase, port: str) -> None:
             time.sleep(_POLL)
 
 
-def _identity(line: serial.SerialBase, port: str) -> Mapping[str, object] | None:
-    """Ask the board to identify itself: a simulated one answers, a real one does not."""
-    _send(line, encode_message(MessageKind.IDENTIFY))
-    decoder, end = MessageDecoder(), time.monotonic() + _IDENTIFY
+def _stop(line: serial.SerialBase) -> bool:
+    """Send the command to stop, up to five times, until the board is silent; whether it is."""
+    with suppress(OSError):  # a port that has gone
+        for _ in range(5):
+            _send(line, encode_message(MessageKind.STOP))
+            began = last = time.monotonic()
+            while (now := time.monotonic()) - began < 2.0 * _QUIET:  # what was under way arrives, too
+                if _read(line):
+                    last = now
+                elif now - last >= _QUIET:
+                    return True
+                else:
+                    time.sleep(_POLL)
+    return False
+
+
+def _identity(
+    line: serial.SerialBase, port: str, decoder: MessageDecoder, within: float
+) -> Mapping[str, object] | None:
+    """Wait for the answer of a simulated board, at most `within` s; a real one gives none."""
+    end = time.monotonic() + within
     while time.monotonic() < end:
         for message in decoder.feed(_read(line)):
             if message.kind == MessageKind.IDENTITY:
@@ -150,12 +175,18 @@ class Receiver:
     """Receives bytes until all samples have come or no more do; `good` counts the frames so far."""
 
     def __init__(
-        self, samples: int, silence: float, keep: Callable[[bytes], object], clock: Callable[[], float] = time.monotonic
+        self,
+        samples: int,
+        silence: float,
+        keep: Callable[[bytes], object],
+        start: ArrayLike = (0.0, 0.0),
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.data = bytearray()
         self.stamps: list[tuple[int, float]] = []
         self.good = 0
         self._samples, self._silence, self._keep, self._clock = samples, silence, keep, clock
+        self._start = np.asarray(start, dtype=np.float64)
         self._parser = StreamParser()
 
     def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> EndReason:
@@ -191,6 +222,8 @@ class Receiver:
         progress(self.good, self._samples)
         self.good = min(self.good + len(self._parser.finish()), self._samples)
         within = sum(gap.lost for gap in self._parser.gaps if gap.next_frame < self.good)
+        if ended in ("interrupted", "overrun"):  # frames still came, so an estimate does not tell that all have
+            within = 0
         return "" if self.good + within >= self._samples else ended
 
     def _accept(self, piece: bytes) -> bool:
@@ -198,11 +231,22 @@ class Receiver:
         self.data += piece
         self._keep(piece)
         frames, missing = self._parser.feed(piece), self._samples - self.good
+        if self.good == 0 and len(frames):
+            self._check_start(frames)
         self.good += min(len(frames), missing)
         if len(frames) < missing:
             return False
         del self.data[int(frames.offset[missing - 1]) + FRAME_BYTES :]
         return True
+
+    def _check_start(self, frames: Frames) -> None:
+        """Refuse a motion that begins elsewhere than it should; frames before the first good one may be lost."""
+        position, missing = frames.position[:, 0] * RADIANS_PER_COUNT, int(frames.offset[0]) // FRAME_BYTES
+        away = np.abs(position - self._start) - missing * MAX_SPEED * SAMPLING_PERIOD
+        if away.max() > NEAR:
+            joint = int(away.argmax())
+            expected = f"at most {NEAR:g} rad from the start of the motion: let the arm hang at rest"
+            raise InputError.at(f"arm: joint {joint + 1}", f"{position[joint]:.3g} rad", expected)
 
     def _all_there(self) -> bool:
         """Whether the samples are complete if all undecided bytes are frames."""
