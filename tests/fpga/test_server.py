@@ -5,6 +5,7 @@ import select
 import time
 from functools import partial
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from fake_board import CONTROL, IDENTITY, PlayedBoard, frames_of, served
 
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.controller import simulate
-from repro.fpga.frames import encode
+from repro.fpga.frames import RADIANS_PER_COUNT, encode
 from repro.fpga.messages import MessageKind, encode_message, encode_program, encode_start
 from repro.fpga.plant import Plant, Unmodelled
 from repro.fpga.server import Board, BoardServer, PtyEndpoint, SocketEndpoint
@@ -61,8 +62,16 @@ def test_a_board_sends_what_the_loop_computes():
         assert board.refusals[-1] == "START: the arm is moving."
         assert b"".join(board.tick() for _ in range(200)) == expected
     assert len(set(np.frombuffer(expected, dtype=">u8").tolist())) > 100
-    board.receive(encode_start(200))  # the trajectory is forgotten
-    assert not board.running and "200 of 200 samples" in board.refusals[-1]
+    for stop in (b"", encode_program(CONTROL, DESIRED) + encode_message(MessageKind.STOP)):
+        board.receive(stop + encode_start(200))  # the trajectory is forgotten
+        assert not board.running and "200 of 200 samples" in board.refusals[-1]
+
+
+def test_positions_beyond_the_encoders_range_wrap():
+    turned = SimpleNamespace(state=RADIANS_PER_COUNT * np.array([[2**15], [-40000]]), advance=lambda *_: None)
+    board = Board(lambda: turned, CONTROL.torque_per_count, IDENTITY)
+    board.receive(encode_program(CONTROL, DESIRED) + encode_start(200))
+    assert board.tick() == encode([[-(2**15)], [25536]], [[-1023], [1023]])
 
 
 def test_a_slow_reader_loses_nothing(endpoint):

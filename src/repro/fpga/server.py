@@ -73,7 +73,7 @@ class Board:
 
     def _obey(self, message: Message) -> bytes:
         if message.kind is MessageKind.STOP:
-            self._loop = None
+            self._end()
         elif self.running:
             raise ValueError("the arm is moving.")
         elif message.kind is MessageKind.GAINS:
@@ -101,16 +101,20 @@ class Board:
     def tick(self) -> bytes:
         """Advance by one sampling period and give its frame, nothing if the arm is not moving.
 
-        After the last sample the motors are off and the trajectory is forgotten: a new start needs a whole program.
+        Positions are sent modulo 2^16 counts, as an encoder wraps.
         """
         if self._loop is None:
             return b""
         position, pwm = self._loop.step(self._ram[:, self._sample, np.newaxis])
         self._sample += 1
         if self._sample == self._samples:
-            self._loop = None
-            self._written[:] = False
-        return encode(position, pwm)
+            self._end()
+        return encode(position.astype(np.int16), pwm)
+
+    def _end(self) -> None:
+        """Switch the motors off and forget the trajectory: a new start needs a whole one."""
+        self._loop = None
+        self._written[:] = False
 
 
 class PtyEndpoint:
