@@ -7,16 +7,14 @@ import io
 import logging
 import os
 import re
-import signal
 import sys
-import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import NoReturn
 
 from repro import __version__, contract
 from repro.commands import boards, excite, identify, runs
-from repro.errors import InputError
+from repro.errors import InputError, end_by_exception
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
 _UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
@@ -68,8 +66,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         _check(sys.argv[1:] if argv is None else argv)
         arguments = parser().parse_args(argv)
-        if threading.current_thread() is threading.main_thread():  # so that temporary folders go, as after Ctrl-C
-            signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+        end_by_exception()
         contract.hold(os.environ)
         gc.set_threshold(500_000)  # modules and figures are many objects that live to the end
         atexit.register(gc.freeze)  # and need not be searched for cycles there

@@ -1,5 +1,8 @@
-"""The one exception a user is meant to read."""
+"""The one exception a user is meant to read, and how signals become exceptions."""
 
+import signal
+import sys
+import threading
 from importlib.util import find_spec
 
 
@@ -24,6 +27,14 @@ def option(name: str, value: str = "") -> str:
     """Name an option of a command and the argument that it is in Python."""
     argument = f"{name.replace('-', '_')}={repr(value) if value else True}"
     return f"--{name} {value}".rstrip() + f" (Python: {argument})"
+
+
+def end_by_exception() -> None:
+    """Have SIGTERM and SIGHUP end this process as exceptions do: what moves is stopped, temporary folders go."""
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
+                signal.signal(number, lambda came, _: sys.exit(128 + came))
 
 
 def require(package: str, extra: str, place: str, otherwise: str = "") -> None:

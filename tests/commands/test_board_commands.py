@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,21 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
     assert read_capture(out).metadata.end_reason == "disconnected"
     assert read_capture(out).data == FRAMES[:1000]
     assert f"{out}: incomplete (disconnected); what arrived is kept" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_a_recording_and_stops_the_arm(tmp_path, number):
+    board, before = PlayedBoard(FRAMES[:800]), signal.signal(number, signal.SIG_DFL)  # nohup ignores it
+    with served(board, PtyEndpoint(), real_time=True) as port:
+        options = ["--port", port, "--timeout", "60", "--trajectory", "T4", "--out", str(tmp_path / "T4.bin")]
+        command = [sys.executable, str(SCRIPT), "record", *options]
+        with subprocess.Popen(command, stderr=subprocess.DEVNULL) as host:
+            signal.signal(number, before)
+            while not (board.place or host.poll()):
+                time.sleep(0.01)
+            host.send_signal(number)
+    assert (host.returncode, board.messages[-1].kind) == (128 + number, MessageKind.STOP)
 
 
 @pytest.mark.parametrize(

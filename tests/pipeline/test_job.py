@@ -1,6 +1,7 @@
 """A rule's work: bad input is one line and exit code 2, any other failure keeps its traceback to the log."""
 
 import logging
+import signal
 import subprocess
 import sys
 
@@ -37,9 +38,11 @@ def test_bad_input_is_one_line_and_exit_code_2(log, capsys):
     assert message in text and "Traceback" not in text
 
 
-@pytest.mark.parametrize("error", [ValueError("shapes"), MemoryError(), KeyboardInterrupt()])
+@pytest.mark.parametrize("error", [ValueError("shapes"), MemoryError(), KeyboardInterrupt(), SystemExit(143)])
 def test_any_other_failure_has_its_traceback_in_the_log_alone(log, capsys, error):
     def fail():
+        if isinstance(error, SystemExit):
+            signal.raise_signal(signal.SIGTERM)
         raise error
 
     with pytest.raises(SystemExit) as stop, job(str(log)):

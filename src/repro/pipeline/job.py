@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, TextIO
 
-from repro.errors import InputError
+from repro.errors import InputError, end_by_exception
 
 Config = Mapping[str, Any]
 #: Folder of Snakemake's records.
@@ -43,6 +43,7 @@ def _is_relevant(record: logging.LogRecord) -> bool:
 @contextmanager
 def job(log: str, threads: int = 1) -> Iterator[None]:
     """Run a rule's work."""
+    end_by_exception()
     lock: AbstractContextManager[object] = share_lock() if STATE.is_dir() else nullcontext()
     Path(log).parent.mkdir(parents=True, exist_ok=True)
     root = logging.getLogger()
