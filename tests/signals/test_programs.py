@@ -164,6 +164,13 @@ def test_a_jump_at_any_sample_is_refused(joint, at, seed):
         check_limits(programs.ReferenceTrajectory("T4", q, 0, 100, H), ARM, LIMITS)
 
 
+def test_a_motion_that_starts_at_full_speed_is_refused():
+    """Slowing down takes little torque, but the arm would have to reach 2 rad/s within a sample."""
+    q = 0.6 * (1.0 - np.exp(-H * np.arange(1, 101) / 0.3)) * np.ones((2, 1))
+    with pytest.raises(InputError, match="T4: joint 1 torque: found 117"):
+        check_limits(ReferenceTrajectory("T4", q, 0, 100, H), ARM, LIMITS)
+
+
 @pytest.mark.parametrize("joint", [0, 1])
 def test_torque_limit_of_each_joint(joint):
     p = reference_trajectory("T4", SETTINGS, rng())

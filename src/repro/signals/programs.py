@@ -97,7 +97,7 @@ def reference_trajectory(name: str, settings: TrajectorySettings, rng: np.random
 
 def peaks(desired: ReferenceTrajectory, beta: Array) -> tuple[Array, Array]:
     """Compute the peak speed (2,), rad/s, and torque (2,), N m, that a reference trajectory needs of an arm."""
-    q = np.pad(desired.q, ((0, 0), (1, 0)))  # the arm hangs at rest before the first sample
+    q = np.pad(desired.q, ((0, 0), (2, 0)))  # the arm hangs at rest before the first sample: position and speed 0
     step = np.diff(q) / desired.h
     dq = 0.5 * (step[:, 1:] + step[:, :-1])
     torque = inverse_dynamics(q[:, 1:-1], dq, np.diff(step) / desired.h, beta)
