@@ -192,6 +192,9 @@ BAD = {
     "training: {paper: {images: 10, train_share: 0.01}}": ("training.paper.images", "10", "one image to train"),
     "arm: {link_lengths_m: [0.2, 0.01]}": ("arm.link_lengths_m", "[0.2, 0.01]", "circle of T2"),
     "arm: {parameters: [0.1, 0.1, 0.2, 1, 1, 1, 1, 1, 1]}": ("arm.parameters", "[0.1, 0.1", "positive definite"),
+    "factorial: {second_arm: [0.1, 0.1, 0.2, 1, 1, 1, 1, 1, 1]}": ("factorial.second_arm", "[0.1", "positive definite"),
+    "board: {pwm_hz: [1.0e-46, 1000.0]}": ("board.pwm_hz[0]", "1e-46", "at least 1"),
+    "experiment: {random_bands: 1.0e-160}": ("experiment.random_bands", "1e-160", "at least 0.1"),
     "board: {kp_nm_per_rad: [1.0e+9, 1.0], full_torque_nm: [1.0e-38, 1.0]}": (
         "board.kp_nm_per_rad",
         "1000000000.0",

@@ -266,7 +266,9 @@ class Board(Section):
 
     kp_nm_per_rad: Joints = key("K_p of each joint", "N m/rad", "published: Table 8")
     kv_nm_per_rad: Joints = key("K_v of each joint", "N m per rad and sample", "published: Table 8, Eq. 2")
-    pwm_hz: Joints = key("PWM frequency; sent, but a simulated motor sees the mean", "Hz", "published: Table 8")
+    pwm_hz: Annotated[list[Annotated[float, Field(ge=1, le=1e9)]], Pair] = key(
+        "PWM frequency; sent, but a simulated motor sees the mean", "Hz", "published: Table 8"
+    )
     full_torque_nm: Joints = key("torque at a PWM of 1023 counts", "N m", "published: Section V-C")
     speed_limit_rad_s: Positive = key("a faster motion is not sent", "rad/s", "published: Section III")
 
@@ -288,7 +290,9 @@ class Experiment(Section):
     validation_samples: Annotated[int, Field(ge=101, le=8192)] = key("length of T1 to T4", "samples", "Fig. 22, 23")
     random_range_rad: Positive = key("range of T1, between minus and plus this", "rad", "published: Section VI")
     random_range_of: RangeOf = key("the filtered motion, or the numbers before the filter", source="Section VI")
-    random_bands: Positive = key("DCT-II band where the filter of T1 has a gain of 1/e", "bands", "Eq. 14, Table 10")
+    random_bands: Annotated[float, Field(ge=0.1, le=1e9)] = key(
+        "DCT-II band where the filter of T1 has a gain of 1/e", "bands", "Eq. 14, Table 10"
+    )
     torque_share: Annotated[float, Field(gt=0, le=1)] = key(
         "share of `board.full_torque_nm` that a motion may require of the nominal arm", source="ours"
     )

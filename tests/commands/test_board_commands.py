@@ -105,7 +105,7 @@ def test_a_signal_ends_a_recording_and_stops_the_arm(tmp_path, number):
         ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "wave.csv: found 8193 rows, expected a motion of 2 to 8192"),
         ("time,q1_rad,q2_rad\n0,0,0\n0.0025,0,0\n0.0125,0,0\n", "row 3, time: found a step of 0.01 s"),
         ("T_s,q1_rad,q2_rad\n0,0,0\nnow,0,0\n", "row 2, T_s: found 'now'"),
-        ("q1_rad,q2_rad\n0,0\n0,-30\n", "row 2, q2_rad"),
+        ("q1_rad,q2_rad\n0,0\n0,24.5101\n", "row 2, q2_rad: found 24.5101 rad"),  # 32768 counts
         ("q1_rad,q2_rad\n0,1.0\n0,1.0\n", r"wave\.csv: row 1, q2_rad: found 1 rad"),  # away from rest
     ],
 )

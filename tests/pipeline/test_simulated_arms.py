@@ -8,6 +8,7 @@ import pytest
 from experiment_example import MOTIONS, changed, full_config, refused, short_config
 from safetensors.numpy import load_file, save_file
 
+from repro.errors import InputError
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.model.parameters import is_positive_definite
 from repro.pipeline import simulated_arms
@@ -47,6 +48,13 @@ def test_arms_of_both_laws_are_physical_and_the_motors_carry_them():
         correlation.append(np.corrcoef(np.log(beta[:, [3, 7]]).T)[0, 1])
     # Friction follows gravity in the arms as they are built, which it does not in those that train.
     assert correlation[1] > correlation[0] + 0.2
+
+
+def test_arms_that_no_law_gives_are_refused(monkeypatch):
+    monkeypatch.setattr(simulated_arms, "MOST_REFUSED", 10_000)
+    impossible = changed(CONFIG, data={"tracked": {"load_share": 0.0}})
+    with pytest.raises(InputError, match=r"data.tracked.load_share.*: found none of \d+ arms"):
+        simulated_arms.draw_arms(np.random.default_rng(0), 500, impossible)
 
 
 def test_an_arm_tracks_if_it_is_near_in_the_trajectory_proper():

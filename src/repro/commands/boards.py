@@ -172,7 +172,7 @@ def read_program(path: Path) -> "ReferenceTrajectory":
     def refuse(row: int, name: str, found: str, expected: str) -> NoReturn:
         raise InputError.at(f"{path}: row {row + 1}, {name}", found, expected)
 
-    largest, columns = 2**15 * RADIANS_PER_COUNT, []
+    largest, columns = (2**15 - 1) * RADIANS_PER_COUNT, []
     read_bytes(path, 4 << 20, "a CSV table of a motion")  # refuses what is larger, or endless
     table = read_rows(path, ("q1_rad", "q2_rad"))
     times = [name for name in (table[0] if table else ()) if name.casefold() in ("t", "t_s", "time", "time_s")]

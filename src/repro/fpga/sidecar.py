@@ -29,8 +29,11 @@ def _expected(text: str, **field: Any) -> Any:  # noqa: ANN401
 
 
 _Digest = Annotated[str, _expected("a SHA-256 of 64 hexadecimal digits", pattern=r"^[0-9a-f]{64}\Z")]
-_Size = Annotated[float, Field(ge=1e-6, le=1e9)]
+# As wide as a configuration's numbers, and in counts as single precision.
+_Size = Annotated[float, Field(gt=0, le=1e9)]
 _Pair = Annotated[tuple[_Size, _Size], Field(strict=False)]
+_Gain = Annotated[float, Field(ge=0, le=3.5e38)]
+_Gains = Annotated[tuple[_Gain, _Gain], Field(strict=False)]
 _Chunk = Annotated[tuple[int, float], Field(strict=False)]
 
 
@@ -86,8 +89,8 @@ class _Control(Section):
     kv: _Pair
     pwm_hz: _Pair
     full_torque: _Pair
-    kp_counts: _Pair
-    kv_counts: _Pair
+    kp_counts: _Gains
+    kv_counts: _Gains
 
 
 class Sidecar(Section):

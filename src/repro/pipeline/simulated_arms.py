@@ -45,6 +45,8 @@ Draw = Callable[[np.random.Generator, int, Config], Array]
 Counts = NDArray[np.int16]
 #: Name of the factorial's block that no effect is estimated from: an arm and a specimen frozen before, scored once.
 CONFIRMATION = "confirmation"
+#: Arms drawn without one that fits, after which a draw ends.
+MOST_REFUSED = 10_000_000
 
 
 def _stored(path: Path, expected: str) -> Callable[[str, tuple[int, ...]], NDArray[Any]]:
@@ -76,13 +78,16 @@ def _built(rng: np.random.Generator, n: int) -> Array:
 def draw_arms(rng: np.random.Generator, n: int, config: Config, law: Law = DRAWS["links"]) -> Array:
     """The first `n` arms of a law that the motors can carry and the loop can hold."""
     t, full = config["data"]["tracked"], np.array(config["board"]["full_torque_nm"])
-    arms = np.empty((0, 9))
+    arms, refused = np.empty((0, 9)), 0
     while len(arms) < n:
+        if refused > MOST_REFUSED:
+            places = "data.tracked.load_share, data.tracked.least_inertia_kg_m2"
+            raise InputError.at(places, f"none of {refused} arms within them", "a larger share, or smaller inertias")
         beta = law(rng, 4 * n)
         g1, g2, k1, k2 = beta[:, [3, 4, 7, 8]].T
         load = np.stack([g1 + g2 + k1, g2 + k2], axis=1)
         fit = (load <= t["load_share"] * full).all(1) & (beta[:, [0, 2]] >= t["least_inertia_kg_m2"]).all(1)
-        arms = np.concatenate([arms, beta[fit]])
+        arms, refused = np.concatenate([arms, beta[fit]]), 0 if fit.any() else refused + 4 * n
     return arms[:n]
 
 
