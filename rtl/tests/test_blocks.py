@@ -10,6 +10,7 @@ from amaranth.hdl import Module
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from repro.errors import InputError
 from repro.fpga.frames import encode
 from rtl.aq_time import AqTime
 from rtl.aq_uart import AqUart
@@ -232,6 +233,8 @@ def test_project_places_every_pin_and_makes_the_clock(tmp_path):
     verilog = (tmp_path / "board.v").read_text()
     assert re.search(r"clk0_multiply_by\(32'd5\)", verilog) and re.search(r"clk0_divide_by\(32'd5\)", verilog)
     assert "derive_pll_clocks" in (tmp_path / "board.sdc").read_text()
+    with pytest.raises(InputError, match="CLOCK_HZ: found 48000000, expected a positive multiple"):
+        write_project(tmp_path, 48_000_000)
 
 
 def test_synthesis_gives_the_kept_numbers():
