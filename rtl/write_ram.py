@@ -67,7 +67,7 @@ class WriteRam(wiring.Component):
                 "valid": In(1),
                 "ready": Out(1),
                 "running": In(1),
-                "finished": In(1),  # a motion came to its end: its trajectory is forgotten
+                "finished": In(1),  # a motion came to its end: its trajectory is forgotten, as after a stop
                 "write_address": Out(13),
                 "write_data": Out(64),
                 "write": Out(1),
@@ -123,7 +123,7 @@ class WriteRam(wiring.Component):
             self.busy.eq(1),
         ]
         m.d.sync += [self.bst.eq(0), self.stop.eq(0), self.identify.eq(0), self.refused.eq(0)]
-        with m.If(self.finished):
+        with m.If(self.finished | self.stop):
             m.d.sync += to_erase.eq(1)
 
         with m.FSM():
