@@ -79,18 +79,14 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_ends_a_recording_and_stops_the_arm(tmp_path, number):
-    board, before = PlayedBoard(FRAMES[:800]), signal.signal(number, signal.SIG_DFL)  # nohup ignores it
-    with served(board, PtyEndpoint(), real_time=True) as port:
-        options = ["--port", port, "--timeout", "60", "--trajectory", "T4", "--out", str(tmp_path / "T4.bin")]
-        command = [sys.executable, str(SCRIPT), "record", *options]
-        with subprocess.Popen(command, stderr=subprocess.DEVNULL) as host:
-            signal.signal(number, before)
-            while not (board.place or host.poll()):
-                time.sleep(0.01)
-            host.send_signal(number)
-    assert (host.returncode, board.messages[-1].kind) == (128 + number, MessageKind.STOP)
+def test_a_closed_terminal_ends_a_recording_and_stops_the_arm(tmp_path):
+    board, endpoint, out = PlayedBoard(FRAMES[:800]), PtyEndpoint(), tmp_path / "T4.bin"
+    command = [sys.executable, SCRIPT, "record", "--port", endpoint.port, "--trajectory", "T4", "--out", out]
+    with served(board, endpoint, real_time=True), subprocess.Popen([*command, "--timeout", "60"], stderr=-3) as host:
+        while not (board.place or host.poll()):
+            time.sleep(0.01)
+        host.send_signal(signal.SIGHUP)
+    assert (host.returncode, board.messages[-1].kind) == (128 + signal.SIGHUP, MessageKind.STOP)
 
 
 @pytest.mark.parametrize(

@@ -65,13 +65,10 @@ def test_a_board_sends_what_the_loop_computes():
     for stop in (b"", encode_program(CONTROL, DESIRED) + encode_message(MessageKind.STOP)):
         board.receive(stop + encode_start(200))  # the trajectory is forgotten
         assert not board.running and "200 of 200 samples" in board.refusals[-1]
-
-
-def test_positions_beyond_the_encoders_range_wrap():
     turned = SimpleNamespace(state=RADIANS_PER_COUNT * np.array([[2**15], [-40000]]), advance=lambda *_: None)
     board = Board(lambda: turned, CONTROL.torque_per_count, IDENTITY)
     board.receive(encode_program(CONTROL, DESIRED) + encode_start(200))
-    assert board.tick() == encode([[-(2**15)], [25536]], [[-1023], [1023]])
+    assert board.tick() == encode([[-(2**15)], [25536]], [[-1023], [1023]])  # as encoders wrap
 
 
 def test_a_slow_reader_loses_nothing(endpoint):

@@ -36,7 +36,7 @@ def motions(tmp_path_factory):
     return path
 
 
-def test_arms_of_both_laws_are_physical_and_the_motors_carry_them():
+def test_arms_of_both_laws_are_physical_and_the_motors_carry_them(monkeypatch):
     full = np.array(CONFIG["board"]["full_torque_nm"])
     correlation = []
     for draw in (simulated_arms.draw_arms, simulated_arms.draw_built_arms):
@@ -48,13 +48,9 @@ def test_arms_of_both_laws_are_physical_and_the_motors_carry_them():
         correlation.append(np.corrcoef(np.log(beta[:, [3, 7]]).T)[0, 1])
     # Friction follows gravity in the arms as they are built, which it does not in those that train.
     assert correlation[1] > correlation[0] + 0.2
-
-
-def test_arms_that_no_law_gives_are_refused(monkeypatch):
     monkeypatch.setattr(simulated_arms, "MOST_REFUSED", 10_000)
-    impossible = changed(CONFIG, data={"tracked": {"load_share": 0.0}})
-    with pytest.raises(InputError, match=r"data.tracked.load_share.*: found none of \d+ arms"):
-        simulated_arms.draw_arms(np.random.default_rng(0), 500, impossible)
+    with pytest.raises(InputError, match=r"load_share.*: found none of"):
+        draw(np.random.default_rng(0), 500, changed(CONFIG, data={"tracked": {"load_share": 0.0}}))
 
 
 def test_an_arm_tracks_if_it_is_near_in_the_trajectory_proper():

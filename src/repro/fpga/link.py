@@ -16,7 +16,6 @@ from typing import Final
 
 import numpy as np
 import serial
-from numpy.typing import ArrayLike
 
 from repro.errors import InputError
 from repro.files import writing
@@ -41,8 +40,8 @@ _STAMP: Final = 0.05
 _READ, _WRITE = 1 << 16, 1024
 #: Seconds by which a recording may exceed twice the length of its motion: a simulated board can be slow.
 _SLACK: Final = 10.0
-#: Farthest that the arm may hang from the start of its motion, rad: a table may start 0.02 away, an undetected flipped
-#: bit adds 0.02. From there the simulated arm stays at 3 rad/s; from 0.9, where friction holds it, it exceeds 8.
+#: Farthest that the arm may hang from q = 0 at a start, rad: an undetected flipped bit adds 0.02. From there the
+#: simulated arm stays below 3 rad/s; from 0.9, where friction holds it after ID, it exceeds the 8 allowed.
 NEAR: Final = 0.05
 
 
@@ -59,7 +58,7 @@ def record(
     Unplugging, `silence` (s), Ctrl-C, and more bytes or seconds than the motion can take end a recording early: the
     arm is sent the command to stop, and what arrived is kept. `keep` is called with each piece as it arrives.
     """
-    receiver = Receiver(metadata.samples, silence, keep, metadata.desired[:, 0])
+    receiver = Receiver(metadata.samples, silence, keep)
     reason: EndReason = "interrupted"
     with _open(port, baud) as line:
         try:
@@ -141,20 +140,16 @@ def _stop(line: serial.SerialBase) -> bool:
             _send(line, encode_message(MessageKind.STOP))
             began = last = time.monotonic()
             while (now := time.monotonic()) - began < 2.0 * _QUIET:  # what was under way arrives, too
-                if _read(line):
-                    last = now
-                elif now - last >= _QUIET:
+                last = now if _read(line) else last
+                if now - last >= _QUIET:
                     return True
-                else:
-                    time.sleep(_POLL)
+                time.sleep(_POLL)
     return False
 
 
-def _identity(
-    line: serial.SerialBase, port: str, decoder: MessageDecoder, within: float
-) -> Mapping[str, object] | None:
-    """Wait for the answer of a simulated board, at most `within` s; a real one gives none."""
-    end = time.monotonic() + within
+def _identity(line: serial.SerialBase, port: str, decoder: MessageDecoder, wait: float) -> Mapping[str, object] | None:
+    """Wait for the answer of a simulated board, at most so many seconds; a real one gives none."""
+    end = time.monotonic() + wait
     while time.monotonic() < end:
         for message in decoder.feed(_read(line)):
             if message.kind == MessageKind.IDENTITY:
@@ -175,18 +170,12 @@ class Receiver:
     """Receives bytes until all samples have come or no more do; `good` counts the frames so far."""
 
     def __init__(
-        self,
-        samples: int,
-        silence: float,
-        keep: Callable[[bytes], object],
-        start: ArrayLike = (0.0, 0.0),
-        clock: Callable[[], float] = time.monotonic,
+        self, samples: int, silence: float, keep: Callable[[bytes], object], clock: Callable[[], float] = time.monotonic
     ) -> None:
         self.data = bytearray()
         self.stamps: list[tuple[int, float]] = []
         self.good = 0
         self._samples, self._silence, self._keep, self._clock = samples, silence, keep, clock
-        self._start = np.asarray(start, dtype=np.float64)
         self._parser = StreamParser()
 
     def run(self, line: serial.SerialBase, progress: Callable[[int, int], None]) -> EndReason:
@@ -222,9 +211,8 @@ class Receiver:
         progress(self.good, self._samples)
         self.good = min(self.good + len(self._parser.finish()), self._samples)
         within = sum(gap.lost for gap in self._parser.gaps if gap.next_frame < self.good)
-        if ended in ("interrupted", "overrun"):  # frames still came, so an estimate does not tell that all have
-            within = 0
-        return "" if self.good + within >= self._samples else ended
+        early = ended in ("interrupted", "overrun")  # frames still came, so no estimate tells that all have
+        return "" if self.good + (0 if early else within) >= self._samples else ended
 
     def _accept(self, piece: bytes) -> bool:
         """Add bytes, without those after the last sample; True once all samples have come."""
@@ -240,12 +228,11 @@ class Receiver:
         return True
 
     def _check_start(self, frames: Frames) -> None:
-        """Refuse a motion that begins elsewhere than it should; frames before the first good one may be lost."""
-        position, missing = frames.position[:, 0] * RADIANS_PER_COUNT, int(frames.offset[0]) // FRAME_BYTES
-        away = np.abs(position - self._start) - missing * MAX_SPEED * SAMPLING_PERIOD
-        if away.max() > NEAR:
-            joint = int(away.argmax())
-            expected = f"at most {NEAR:g} rad from the start of the motion: let the arm hang at rest"
+        """Refuse a motion that does not begin at q = 0; frames before the first good one may be lost."""
+        position, lost = frames.position[:, 0] * RADIANS_PER_COUNT, int(frames.offset[0]) // FRAME_BYTES
+        joint = int(np.abs(position).argmax())
+        if abs(position[joint]) > NEAR + lost * MAX_SPEED * SAMPLING_PERIOD:
+            expected = f"at most {NEAR:g} rad at the start: let the arm hang at rest at q = 0"
             raise InputError.at(f"arm: joint {joint + 1}", f"{position[joint]:.3g} rad", expected)
 
     def _all_there(self) -> bool:

@@ -29,11 +29,9 @@ def _expected(text: str, **field: Any) -> Any:  # noqa: ANN401
 
 
 _Digest = Annotated[str, _expected("a SHA-256 of 64 hexadecimal digits", pattern=r"^[0-9a-f]{64}\Z")]
-# As wide as a configuration's numbers, and in counts as single precision.
 _Size = Annotated[float, Field(gt=0, le=1e9)]
 _Pair = Annotated[tuple[_Size, _Size], Field(strict=False)]
-_Gain = Annotated[float, Field(ge=0, le=3.5e38)]
-_Gains = Annotated[tuple[_Gain, _Gain], Field(strict=False)]
+_Gains = Annotated[tuple[float, float], Field(strict=False)]  # follow from the rest
 _Chunk = Annotated[tuple[int, float], Field(strict=False)]
 
 
