@@ -37,14 +37,9 @@ def metadata(desired, **changes):
 class PlayedBoard:
     """Sends a motion, again after each start."""
 
-<<<<<<< HEAD
-    def __init__(self, frames, silent=False):
-        self.frames, self.silent = frames, silent
-=======
     def __init__(self, frames, identified_by=MessageKind.IDENTIFY):
         self.frames = frames
         self.identified_by = identified_by  # the message that it answers, None for a real board
->>>>>>> e4fe2738 (Recording refuses an arm that does not hang at the start, and always ends with a stop)
         self.place = self.end = 0
         self.messages, self.refusals = [], []
         self._decoder = MessageDecoder()

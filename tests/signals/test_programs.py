@@ -151,7 +151,7 @@ def test_peaks_of_a_motion_known_exactly():
     # Inside the run; at its first sample the jump from rest to the trajectory's speed is counted too.
     inner = inverse_dynamics(q[:, 1:], exact.dq[:, 1:], exact.ddq[:, 1:], ARM)
     assert (torque >= np.abs(inner).max(1) - 1e-3).all()
-    moving = ReferenceTrajectory("ID", q[:, 1:], 0, q.shape[1] - 1, H)  # the first sample is not at rest
+    moving = programs.ReferenceTrajectory("ID", q[:, 1:], 0, q.shape[1] - 1, H)  # the first sample is not at rest
     np.testing.assert_array_equal(peaks(moving, ARM)[1], torque)
 
 
