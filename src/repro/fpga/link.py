@@ -211,7 +211,7 @@ class Receiver:
         progress(self.good, self._samples)
         self.good = min(self.good + len(self._parser.finish()), self._samples)
         within = sum(gap.lost for gap in self._parser.gaps if gap.next_frame < self.good)
-        early = ended in ("interrupted", "overrun")  # frames still came, so no estimate tells that all have
+        early = ended in ("interrupted", "overrun")  # frames still came, so the estimate is no evidence that all came
         return "" if self.good + (0 if early else within) >= self._samples else ended
 
     def _accept(self, piece: bytes) -> bool:
