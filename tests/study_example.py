@@ -15,7 +15,7 @@ def outcomes(gain, arms=12, seed=4):
     for cell in itertools.product(("eq10", "optimal"), (0.97, 0.9), ("wide", "narrow"), [1.0], range(arms)):
         *_, prior, _, arm = cell
         own = {"ordinary": 0.0, "consistent": 0.01, "posterior": gain[prior], "algorithm1": -0.1}
-        own |= {"algorithm1+tracked": -0.1, "generalised+prior": 0.02, "flow": gain[prior] - 0.03}
+        own |= {"algorithm1+tracked": -0.1, "generalised+prior": 0.02, "flow": gain[prior] - 0.03, "generalised": 0.0}
         for method, more in own.items():
             at_random = dict(zip(RANKS, rng.random(9), strict=True)) if method == "posterior" else {}
             row = dict(zip(KEYS, (*cell, method), strict=True)) | dict.fromkeys(RANKS, np.nan) | at_random

@@ -40,6 +40,20 @@ def test_claims_have_the_sign_of_what_they_say():
     assert "unoptimised" not in [*analysis.claims(frame[hard == (frame["excitation"] == "eq10")])["claim"]]
 
 
+def test_expectations_have_the_sign_of_what_they_say():
+    frame = outcomes({"wide": 0.03, "narrow": 0.05}).replace({"excitation": {"eq10": "slow"}})
+    slow, own = frame["excitation"] == "slow", frame["method"] == "posterior"
+    frame.loc[slow & own & (frame["prior"] == "narrow"), "validation"] += 0.02
+    narrow = own & (frame["discrepancy"] == 0.9)
+    frame.loc[narrow, list(RANKS)] = 0.5 + 1.2 * (frame.loc[narrow, list(RANKS)] - 0.5)
+    table = analysis.claims(frame, analysis.EXPECTATIONS)
+    assert table["claim"].tolist() == ["1", "2", "3", "3", "4", "4", "5", "7"]  # Eq. 10 is missing for the sixth
+    *differences, uncovered = table["difference"]
+    assert differences == pytest.approx([0.1, 0.145, 0.045, -0.02, 0.05, 0.02, -0.025], abs=0.003)
+    assert uncovered == pytest.approx(0.95 - 0.95 / 1.2, abs=0.06)
+    assert table["verdict"].tolist() == ["holds", "holds", "holds", "fails", "holds", "holds", "fails", "holds"]
+
+
 @pytest.mark.parametrize(("lost", "verdict"), [(0.5, "holds"), (1.0, OPEN), (1.5, "fails")])
 def test_a_claim_that_something_does_not_matter_has_a_margin(lost, verdict):
     frame = outcomes({"wide": 0.03, "narrow": 0.05})

@@ -10,12 +10,17 @@ import pytest
 from experiment_example import ROOT, changed, full_config, refused
 
 from repro.config import load_config
-from repro.pipeline.experiment import Recording, true_parameters
+from repro.files import write_tensors
+from repro.fpga.frames import RADIANS_PER_COUNT
+from repro.model.dynamics import regressor
+from repro.pipeline.experiment import Recording, control_constants, true_parameters
 from repro.pipeline.simulated_arms import is_within_limits
+from repro.settings import metric_settings, signal_settings
+from repro.signals.metric import TorqueScorer
 from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream
-from repro.study.arms import Effects, choose, draw_law, excitation_program, read_choice, with_friction
-from repro.study.design import FACTORS, cells, jobs
+from repro.study.arms import Effects, choose, draw_law, excitation_program, read_choice, specimens, with_friction
+from repro.study.design import FACTORS, Cell, cells, jobs
 
 CONFIG = full_config()
 
@@ -81,6 +86,39 @@ def test_what_is_observed_of_an_arm():
     np.testing.assert_allclose(found.tau, tau + [[0.1], [0.2]] * tau * np.abs(tau))
     np.testing.assert_allclose(delayed.observed(arm, recording).tau[:, 3:], found.tau[:, :-3])
     np.testing.assert_allclose(effects.times(np.array([1.0, 2.0])).observed(arm, recording).q, 2.0 * found.q - q)
+
+
+def perfect_loop(config, beta, desired, *_, **__):
+    """Counts of arms that follow their motions perfectly."""
+    q, h = np.broadcast_to(desired, (len(beta), *desired.shape[-2:])), config["signals"]["sampling_period_s"]
+    dq = np.gradient(q, h, axis=-1)
+    tau = np.einsum("njtp,np->njt", regressor(q, dq, np.gradient(dq, h, axis=-1)), beta)
+    return np.rint(q / RADIANS_PER_COUNT), tau / control_constants(config).torque_per_count[:, np.newaxis]
+
+
+def test_an_arm_has_the_same_effects_whatever_motion_it_is_identified_by(tmp_path, monkeypatch):
+    arms, choice = draw_law("narrow", np.random.default_rng(5), 3, CONFIG), tmp_path / "arms.safetensors"
+    programs = {name: excitation_program(CONFIG, name) for name in ("eq10", "slow")}
+    motions = {f"motion/{name}": program.q for name, program in programs.items()}
+    proper = {f"proper/{name}": np.array([program.n1, program.n2]) for name, program in programs.items()}
+    write_tensors(choice, {"arms/narrow": arms, **motions, **proper})
+    monkeypatch.setattr("repro.study.arms.run_loop", perfect_loop)
+    levels = ((0.97, 2.0), (0.9, 1.0))
+    by = {
+        name: specimens(CONFIG, [Cell(name, level, "narrow", friction, False) for level, friction in levels], choice)
+        for name in programs
+    }
+    for one, other in zip(*by.values(), strict=True):
+        assert one.labels == other.labels | {"excitation": "eq10"}
+        for a, b in zip(one.recordings[1:], other.recordings[1:], strict=True):
+            np.testing.assert_array_equal(a.tau, b.tau)
+        r = one.recordings[0].regression(signal_settings(CONFIG))
+        beta = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.reshape(-1))[0]
+        reached = TorqueScorer(r.tau, r.y, metric_settings(CONFIG))(beta).total.mean()
+        assert one.labels["least_squares"] == pytest.approx(reached)
+        assert reached == pytest.approx(one.labels["discrepancy"], abs=0.005)
+    assert [one.labels["arm"] for one in by["slow"]] == [0, 1, 2, 0, 1, 2]
+    np.testing.assert_array_equal([one.true[5:] for one in by["slow"]], [*(2.0 * arms[:, 5:]), *arms[:, 5:]])
 
 
 def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path, monkeypatch):

@@ -10,16 +10,16 @@ from scipy import stats
 
 from repro.cnn.plain import PlainNetwork, save_posterior
 from repro.cnn.priors import ListedPrior
-from repro.files import write_tensors
+from repro.files import read_tensors, write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
-from repro.pipeline.experiment import read_recordings, true_parameters
+from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.pipeline.simulated_arms import Specimen
 from repro.settings import signal_settings
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
-from repro.study.arms import draw_law
+from repro.study.arms import draw_law, excitation_program
 from repro.study.design import ALGORITHM1, RANKS
-from repro.study.readers import Readers, Reading, run_job, train_reader
+from repro.study.readers import Readers, Reading, make_arms, run_job, train_reader
 
 CONFIG, N = full_config(), 9
 
@@ -100,6 +100,32 @@ def test_a_claim_of_the_posterior_is_in_units_of_the_torque(tmp_path):
     np.testing.assert_allclose(other.covariance, 4.0 * one.covariance, rtol=1e-4)
 
 
+def test_generalised_least_squares_and_the_posterior_learn_from_the_same_torques(tmp_path, monkeypatch):
+    """Noise alone makes white errors, delays errors that follow the torque's rate, ripple a larger largest torque."""
+    program, law, kept = (
+        excitation_program(CONFIG, "eq10"),
+        draw_law("narrow", np.random.default_rng(3), 30, CONFIG),
+        [],
+    )
+    ideal = [Recording(program, program.q, np.zeros_like(program.q))] * 5
+    monkeypatch.setattr("repro.study.readers.record", Mock(return_value=ideal))
+    monkeypatch.setattr("repro.study.readers.choose", Mock())
+    monkeypatch.setattr("repro.study.readers.read_choice", Mock(return_value=(program, {"law/narrow": law})))
+    for ripple, noise, delay in ((0.0, 0.02, 0.0), (0.0, 0.002, 0.01), (0.5, 0.0, 0.0)):
+        effects = {"stribeck": 0.0, "ripple": ripple, "noise": noise, "delay_s": delay}
+        study = {"excitations": ["eq10"], "priors": ["narrow"], "training_arms": 5, "unmodelled": effects}
+        make_arms(tmp_path, [tmp_path / "training.safetensors"], changed(CONFIG, study=study))
+        kept.append(read_tensors(tmp_path / "training.safetensors", "training")[0])
+    white, delayed, _ = (one["error_covariance"] for one in kept)
+    np.testing.assert_allclose(white, np.eye(200), atol=0.1)
+    assert np.trace(delayed) == pytest.approx(200.0)
+    commonest = np.linalg.eigh(delayed)[1][:, -1]
+    columns = (kept[1][name].mean(axis=0) @ law.mean(axis=0) for name in ("unmodelled/rate", "tracked/torque"))
+    rate, torque = (abs(commonest @ x.reshape(-1)) / np.linalg.norm(x) for x in columns)
+    assert rate > 0.9 > torque
+    assert (kept[0]["prior_mean"] > 1.1 * kept[2]["prior_mean"]).all()  # in units of the largest torque
+
+
 def test_networks_of_algorithm_1_learn_the_listed_arms_with_the_seed_of_the_study(tmp_path, monkeypatch):
     training, config, rng = tmp_path / "training.safetensors", changed(CONFIG, study={"seed": 7}), np.random.default_rng
     arms = draw_law("narrow", rng(3), 50, config)
@@ -118,8 +144,8 @@ def test_networks_of_algorithm_1_learn_the_listed_arms_with_the_seed_of_the_stud
 def test_a_claim_is_judged_in_the_unit_of_the_prior_with_random_numbers_of_its_own(monkeypatch):
     recordings = read_recordings([CAPTURES / f"{name}.bin" for name in MOTIONS], CONFIG)
     found, arm = Mock(**{"read.return_value": [], "judge.return_value": {}}), true_parameters(CONFIG)
-    made = found, [Specimen(1, {"arm": 0}, arm, recordings)], (None, {"arms/narrow": [arm]})
-    for name, value in zip(("Readers", "specimens", "read_choice"), made, strict=True):
+    made = found, [Specimen(1, {"arm": 0}, arm, recordings)]
+    for name, value in zip(("Readers", "specimens"), made, strict=True):
         monkeypatch.setattr(f"repro.study.readers.{name}", Mock(return_value=value))
     run_job("eq10-narrow-0", None, None, [], CONFIG)
     *_, unit, rng = found.judge.call_args.args

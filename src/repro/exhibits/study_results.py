@@ -1,5 +1,6 @@
 """Where a learned method pays: maps of differences over the conditions, claims of the paper, means, calibration."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -8,7 +9,7 @@ from matplotlib.figure import Figure
 
 from repro.exhibits import style
 from repro.exhibits.declare import Inputs, figure, table
-from repro.exhibits.markup import Column, Table, digits, grid, layout, plain, words
+from repro.exhibits.markup import Cell, Column, Table, digits, grid, layout, plain, words
 from repro.exhibits.panels import plot_deviation
 from repro.exhibits.result_tables import percent_interval
 from repro.files import read_csv
@@ -82,30 +83,43 @@ def study_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     return analysis.means(_outcomes(inputs))
 
 
-@_table(
-    "Claims over many conditions",
-    layout(
-        "Claims over the simulated arms of all conditions: difference of the mean totals on T1 to T4 in points, "
-        "positive if the claim is true, with its 95 % interval over arms, valid at once for all claims. A claim that "
-        f"something does not matter holds if at most {100 * EQUIVALENT:g} points are lost. Last: in how many "
-        "conditions the difference is surely positive.",
-        ("Claim", "l", words("sentence")),
+def _claims_layout(name: str, sentence: Cell) -> Callable[[pd.DataFrame], Table]:
+    """A row for each sentence that may be true, with the difference that is positive if it is."""
+    return layout(
+        f"{name}s over the simulated arms of all conditions: difference of the mean totals on T1 to T4 in points, "
+        f"positive if the {name.lower()} is true, with its 95 % interval over arms, valid at once for all rows. That "
+        f"something is as good, or does not matter, holds if at most {100 * EQUIVALENT:g} points are lost. Last: in "
+        "how many conditions the difference is surely positive.",
+        (name, "l", sentence),
         ("Arms", "r", digits("arms", 0)),
         ("Difference", "r", digits("difference", 2, 100.0)),
         ("Interval", "r", percent_interval),
         ("Verdict", "l", words("verdict")),
         ("Conditions", "r", lambda row: plain(f"{row['better']:.0f} of {row['conditions']:.0f}")),
-    ),
-)
+    )
+
+
+@_table("Claims over many conditions", _claims_layout("Claim", words("sentence")))
 def study_claims(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Each claim of the paper over many simulated arms and conditions, with an interval and a verdict."""
     return analysis.claims(_outcomes(inputs))
 
 
+@_table(
+    "What was expected of the study",
+    _claims_layout("Expectation", lambda row: plain(f"{row['claim']}. {row['sentence']}")),
+)
+def study_expectations(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Each expectation that was written down before the study was run, with an interval and a verdict. The last one is
+    about the share of parameters in intervals, in points.
+    """
+    return analysis.claims(_outcomes(inputs), analysis.EXPECTATIONS)
+
+
 #: Factors in words.
 _FACTORS = {
     "excitation": "Motion that is identified from",
-    "discrepancy": "Similarity of least squares on that motion",
+    "discrepancy": "Similarity of least squares on Eq. 10",
     "prior": "Prior",
     "friction": "Friction of the arms, times",
 }
@@ -161,7 +175,7 @@ def draw_map(frame: pd.DataFrame) -> Figure:
         axes.set_yticks(range(len(order)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
-    figure.supxlabel("Similarity of least squares on the motion (%)", fontsize=style.TEXT_SIZE)
+    figure.supxlabel("Similarity of least squares on Eq. 10 (%)", fontsize=style.TEXT_SIZE)
     figure.colorbar(image, ax=panels, label=f"Points on T1 to T4 ({style.SIMULATED.lower()})", extend="both")
     return figure
 

@@ -32,10 +32,12 @@ NARROW = 1.5
 SPARE = 2
 #: Arms in the list of a law for each that is simulated to train on.
 LISTED = 160
+#: Motion on which the size of the effects is set, whatever motion an arm is identified by.
+REFERENCE = "eq10"
 #: Arms that are drawn at a time, and samples of a motion of which one is examined.
 PIECE, EVERY = 2000, 8
 #: The amplitude of the effects is found in so many steps, each by at most this factor.
-STEPS, LARGEST_STEP = 6, 5.0
+STEPS, LARGEST_STEP = 8, 5.0
 #: Harmonics of the D-optimal motion, its range of position (rad) and speed (rad/s), and its share of the torque limit
 #: of the stored arm: other arms have more friction.
 HARMONICS, RANGE, SPEED, TORQUE_SHARE = 8, 1.5, 5.0, 0.6
@@ -128,7 +130,7 @@ def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
 def choose(config: Config, out: Path) -> None:
     """Write the excitations, the arms of each prior that are tested, and a list of those of each law to learn from."""
     s = config["study"]
-    excitations = {name: excitation_program(config, name) for name in s["excitations"]}
+    excitations = {name: excitation_program(config, name) for name in dict.fromkeys((REFERENCE, *s["excitations"]))}
     kept: dict[str, NDArray[Any]] = {}
     for prior in s["priors"]:
         drawn = _able(prior, Stream.STUDY_ARMS, SPARE * s["arms"], config, excitations)
@@ -178,13 +180,16 @@ def read_choice(path: Path, config: Config, excitation: str) -> tuple[ReferenceT
     return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"]), kept
 
 
-def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajectory, arms: Array) -> list[Specimen]:
-    """Record the arms (n, 9) in cells of one excitation and one prior.
+def specimens(config: Config, cells: Sequence[Cell], choice: Path) -> list[Specimen]:
+    """Record the arms of a prior in cells of one excitation.
 
     Effects are drawn once for each arm. In each cell one amplitude of all of them is found for each arm, so that
-    ordinary least squares reaches the cell's similarity on the excitation: 1 - S^2.5, the relative error in the
-    frequency factor of metr2ev, is nearly proportional to it.
+    ordinary least squares reaches the cell's similarity on `REFERENCE`: 1 - S^2.5, the relative error in the frequency
+    factor of metr2ev, is nearly proportional to it. So cells that differ in the excitation have the same arms.
     """
+    program, kept = read_choice(choice, config, cells[0].excitation)
+    reference, _ = read_choice(choice, config, REFERENCE)
+    arms = kept[f"arms/{cells[0].prior}"]
     c, n = excitation_config(config, cells[0].excitation), len(arms)
     beta = np.concatenate([with_friction(arms, cell.friction) for cell in cells])
     drawn = Effects.drawn(prior_stream(config, Stream.STUDY_EFFECTS, cells[0].prior), arms)
@@ -192,20 +197,22 @@ def specimens(config: Config, cells: Sequence[Cell], program: ReferenceTrajector
     target = np.repeat([1.0 - cell.discrepancy**2.5 for cell in cells], n)
     amplitude = np.ones(len(beta))
     for remaining in reversed(range(STEPS)):
-        identified = record(c, beta, [program] * len(beta), unit.times(amplitude), "runs of the excitation")
+        recorded = record(config, beta, [reference] * len(beta), unit.times(amplitude), f"runs of {REFERENCE}")
+        reached = [_least_squares_similarity(recording, config) for recording in recorded]
         if remaining:
-            reached = np.array([least_squares_similarity(recording, c) for recording in identified])
-            factor = target / np.maximum(1.0 - reached**2.5, 1e-6)
+            factor = target / np.maximum(1.0 - np.array(reached) ** 2.5, 1e-6)
             amplitude *= np.clip(factor, 1.0 / LARGEST_STEP, LARGEST_STEP)
-    own = [_validation(config, cells[0].prior, k) for k in range(n)] * len(cells)
-    by_motion, effects = zip(*own, strict=True), unit.times(amplitude)
-    further = [record(c, beta, same, effects, f"runs of {same[0].name}") for same in by_motion]
+    motions = [[program, *_validation(config, cells[0].prior, k)] for k in range(n)] * len(cells)
+    by_motion, effects = zip(*motions, strict=True), unit.times(amplitude)
+    runs = zip(*(record(c, beta, same, effects, f"runs of {same[0].name}") for same in by_motion), strict=True)
     labels = [{**{name: getattr(cell, name) for name in FACTORS}, "arm": k} for cell in cells for k in range(n)]
-    runs = zip(identified, *further, strict=True)
-    return [Specimen(one["arm"] + 1, one, true, own) for one, true, own in zip(labels, beta, runs, strict=True)]
+    return [
+        Specimen(label["arm"] + 1, {**label, "least_squares": similarity}, true, own)
+        for label, similarity, true, own in zip(labels, reached, beta, runs, strict=True)
+    ]
 
 
-def least_squares_similarity(recording: Recording, config: Config) -> float:
+def _least_squares_similarity(recording: Recording, config: Config) -> float:
     """Mean similarity of both joints by ordinary least squares on its own recording."""
     r = recording.regression(signal_settings(config))
     return float(TorqueScorer(r.tau, r.y, metric_settings(config))(METHODS["ordinary"].estimate(r).beta).total.mean())

@@ -37,21 +37,12 @@ from repro.progress import Progress, over
 from repro.settings import data_settings, metric_settings, network_settings, signal_settings, training_settings
 from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
-from repro.study.arms import (
-    Effects,
-    choose,
-    excitation_config,
-    least_squares_similarity,
-    prior_stream,
-    read_choice,
-    record,
-    specimens,
-)
+from repro.study.arms import Effects, choose, excitation_config, prior_stream, read_choice, record, specimens
 from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs, trained
 
 #: Networks that are searched with, and the motion of line 18: the measured one as listed, or the one that was sent.
 SEARCHED: dict[str, ImageMotion] = {ALGORITHM1: "measured", TRACKED: "desired"}
-#: Weight of a white part in the covariance of the torque errors, which few arms cannot determine.
+#: Weight of a white part in the covariance of the torque errors, for those that are not in the training.
 SHRINKAGE = 0.1
 
 
@@ -77,19 +68,16 @@ def _simulate_training(excitation: str, law: str, choice: Path, out: Path, confi
     arms = chosen[f"law/{law}"]
     beta = arms[:n]
     effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, 3.0, n))
-    tracks, errors = [], []
     recordings = record(c, beta, [program] * n, effects, f"arms to train on, {excitation}, {law}")
-    for one, arm in zip(recordings, beta, strict=True):
-        if np.abs(one.q - program.q)[:, proper].max() > config["data"]["tracked"]["largest_error_rad"]:
-            continue
-        tracks.append(one.q)
-        prepared = prepare_recording(one, None, signals)
-        error = (prepared.alpha - prepared.y_sub @ (arm / prepared.torque_scale)).reshape(-1)
-        errors.append(error / np.sqrt(np.mean(error**2)))
+    largest = config["data"]["tracked"]["largest_error_rad"]
+    tracks = [one.q for one in recordings if np.abs(one.q - program.q)[:, proper].max() <= largest]
     ideal = sampled_tracks([program.q], program, signals)
     tracked = sampled_tracks(tracks, program, signals, unmodelled=True, desired=True)
-    draws = draw_torques(rng, 4000, tracked, _data(config, arms, unmodelled=False))[1]
-    covariance = np.cov(np.array(errors).T)
+    # What the posterior learns from: least squares weights by its torque errors, and knows its parameters.
+    torque, draws, which = draw_torques(rng, 4000, tracked, _data(config, arms, unmodelled=True))
+    error = (torque - np.einsum("njmp,np->njm", tracked.torque[which], draws)).reshape(len(draws), -1)
+    error /= np.sqrt(np.mean(error**2, axis=1, keepdims=True))
+    covariance = error.T @ error / len(error)
     white = np.eye(len(covariance)) * np.trace(covariance) / len(covariance)
     kept = {f"unmodelled/{name}": array for name, array in vars(tracked.unmodelled).items()}
     kept |= {"arms": arms, "ideal/torque": ideal.torque[0], "ideal/model": ideal.model[0]}
@@ -225,18 +213,15 @@ def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], con
     """Record the arms of a job's cells, and identify each by every method."""
     own, rows, estimates = jobs(config)[job], [], list[tuple[Recording, Array, bool]]()
     c = excitation_config(config, own[0].excitation)
-    program, kept = read_choice(choice, config, own[0].excitation)
-    arms = kept[f"arms/{own[0].prior}"]
     readers = Readers(training, {path.stem: path for path in weights}, config, signal_settings(c))
-    recorded = specimens(config, own, program, arms)
+    recorded = specimens(config, own, choice)
     for k, one in enumerate(over(recorded, f"identifying {len(recorded)} runs")):
         rng = prior_stream(config, Stream.STUDY_SEARCH, own[0].prior, one.labels["arm"])
         scores = Scores(one.recordings, c)
         unit = prepare_recording(one.recordings[0], None, signal_settings(c)).torque_scale
-        least_squares = least_squares_similarity(one.recordings[0], c)
-        searched = own[k // len(arms)].searched
+        searched = own[k * len(own) // len(recorded)].searched
         for reading in (Reading("true", one.true), *readers.read(one.recordings[0], searched, rng)):
-            beta, row = reading.beta, {**one.labels, "method": reading.method, "least_squares": least_squares}
+            beta, row = reading.beta, {**one.labels, "method": reading.method}
             row |= scores(beta, metric_settings(c))
             row["torque_error"] = float(np.mean([relative_rms(r, beta) for r in scores.regressions[1:]]))
             row["parameter_error"] = float(np.sqrt(np.mean((beta - one.true) ** 2))) / unit
