@@ -345,7 +345,7 @@ class Study(Section):
     excitations: Levels[Literal["eq10", "slow", "random", "optimal"]] = key(
         "motions to identify by: Eq. 10, at half its pace, a random and a D-optimal motion"
     )
-    discrepancies: Levels[Share] = key("similarity that ordinary least squares reaches on the motion to identify by")
+    discrepancies: Levels[Share] = key("similarity that ordinary least squares reaches on Eq. 10")
     priors: Levels[Literal["wide", "narrow", "mismatched"]] = key(
         "arms of the law that is trained on, wide or about the stored arm, or of another law than the wide one",
     )

@@ -24,7 +24,7 @@ class Cell:
     """One combination of the factors."""
 
     excitation: str
-    discrepancy: float  # similarity that ordinary least squares is to reach on the excitation
+    discrepancy: float  # similarity that ordinary least squares is to reach on Eq. 10
     prior: str
     friction: float  # factor on the friction of the arms that are tested
     searched: bool  # whether Algorithm 1 is run, too
