@@ -244,7 +244,10 @@ def fields(what: object) -> str:
 
 COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_file, commands, api)
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
-TABLES |= {name: partial(laid_out, name) for name in ("factorial", "board_size", "study_claims", "study_levels")}
+TABLES |= {
+    name: partial(laid_out, name)
+    for name in ("factorial", "board_size", "study_claims", "study_expectations", "study_levels")
+}
 #: Field of a class of settings: comment above it, name, comment next to it.
 FIELD = re.compile(r"((?:^    #: .*\n)*)^    (\w+): [^=\n]+ = .+?(?:  # (.+))?$", re.MULTILINE)
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)

@@ -41,7 +41,9 @@ SETTING = "setting"
 class Basis(StrEnum):
     """What a comparison rests on, and so what a match is worth."""
 
-    NUMERIC = "numeric"  # computed on the paper's own arms N1 to N4; metric and validation motion fit Table 7 as a whole
+    NUMERIC = (
+        "numeric"  # computed on the paper's own arms N1 to N4; metric and validation motion fit Table 7 as a whole
+    )
     ARM = "simulated arm"  # another arm than the paper's, which no longer exists
     CONSTRUCTION = "by construction"  # the simulated arm or its motions were chosen so that it comes out
     ARITHMETIC = "arithmetic"  # follows from other printed numbers or from a definition
