@@ -87,13 +87,15 @@ def _claims_layout(name: str, sentence: Cell) -> Callable[[pd.DataFrame], Table]
     """A row for each sentence that may be true, with the difference that is positive if it is."""
     return layout(
         f"{name}s over the simulated arms of all conditions: difference of the mean totals on T1 to T4 in points, "
-        f"positive if the {name.lower()} is true, with its 95 % interval over arms, valid at once for all rows. That "
-        f"something is as good, or does not matter, holds if at most {100 * EQUIVALENT:g} points are lost. Last: in "
-        "how many conditions the difference is surely positive.",
+        f"positive if the {name.lower()} is true, with two 95 % intervals, each valid at once for all rows: over arms "
+        "for these networks, and over arms and other trainings, from which the verdict follows. That something is as "
+        f"good, or does not matter, holds if at most {100 * EQUIVALENT:g} points are lost. Last: in how many "
+        "conditions the difference is surely positive for these networks.",
         (name, "l", sentence),
         ("Arms", "r", digits("arms", 0)),
         ("Difference", "r", digits("difference", 2, 100.0)),
-        ("Interval", "r", percent_interval),
+        ("Over arms", "r", percent_interval),
+        ("And trainings", "r", lambda row: percent_interval({"low": row["least"], "high": row["most"]})),
         ("Verdict", "l", words("verdict")),
         ("Conditions", "r", lambda row: plain(f"{row['better']:.0f} of {row['conditions']:.0f}")),
     )
