@@ -8,7 +8,7 @@ import pandas as pd
 
 from repro.model.parameters import Array
 from repro.pipeline.monte_carlo import EQUIVALENT, FAMILY_LEVEL, OPEN, conclude, interval
-from repro.study.design import ALGORITHM1, FACTORS, FLOW, KEYS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
+from repro.study.design import ALGORITHM1, FACTORS, FLOW, KEYS, NETWORKS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
 
 #: Pairs of methods that are compared in every cell, first minus second.
 PAIRS = (
@@ -16,7 +16,6 @@ PAIRS = (
     (POSTERIOR, "ordinary"), (POSTERIOR, "consistent"), (POSTERIOR, "generalised+prior"), (FLOW, POSTERIOR),
     ("generalised+prior", "consistent"), ("generalised", "consistent"),
 )  # fmt: skip
-TRAINED = (ALGORITHM1, TRACKED, POSTERIOR, FLOW)
 #: Central interval whose coverage is stated.
 LEVEL = 0.95
 
@@ -166,8 +165,8 @@ EXPECTATIONS = (
 def training_spread(outcomes: pd.DataFrame, method: str) -> tuple[float, int]:
     """Standard deviation of a method's mean from network to network, and its degrees of freedom; NaN where it has none.
 
-    There is one network for each motion and law of the training. It is what effects of both leave of the networks' gain
-    on consistent least squares, so it contains their interaction.
+    There is one network for each motion and law of the training. Their gains on consistent least squares are fitted by
+    effects of motion and law, and the residual is the spread. So the interaction of both counts as training.
     """
     gain = difference(outcomes, method, "consistent")
     law = gain.index.get_level_values("prior").map(TRAINED_ON)
@@ -199,7 +198,7 @@ def claims(outcomes: pd.DataFrame, chosen: Sequence[Claim] = CLAIMS) -> pd.DataF
     from scipy import stats  # noqa: PLC0415 (a quarter of a second, in each job that reads the workflow)
 
     rows, level = [], 1.0 - FAMILY_LEVEL / len(chosen)
-    spreads = {name: training_spread(outcomes, name) for name in TRAINED if (outcomes["method"] == name).any()}
+    spreads = {name: training_spread(outcomes, name) for name in NETWORKS if (outcomes["method"] == name).any()}
     half_widths = {name: spread * stats.t.ppf(0.5 + 0.5 * level, free) for name, (spread, free) in spreads.items()}
     for claim in chosen:
         values = claim.values(outcomes)

@@ -8,7 +8,7 @@ from repro.pipeline.job import Config
 
 #: Networks: of the amortised posterior, normal or a flow, and of Algorithm 1 trained on the ideal motion and on motions
 #: as arms track it.
-POSTERIOR, FLOW, ALGORITHM1, TRACKED = ("posterior", "flow", "algorithm1", "algorithm1+tracked")
+NETWORKS = POSTERIOR, FLOW, ALGORITHM1, TRACKED = ("posterior", "flow", "algorithm1", "algorithm1+tracked")
 #: Law of the training arms for each prior. Tested arms are of it, or of another one if it is mismatched.
 TRAINED_ON = {"wide": "wide", "narrow": "narrow", "mismatched": "wide"}
 
