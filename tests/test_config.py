@@ -3,6 +3,7 @@
 import copy
 import re
 import runpy
+from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
 
@@ -15,7 +16,9 @@ from repro.cli import main
 from repro.config import accept_config, check_config, load_config, merged
 from repro.config_model import Configuration
 from repro.documents import read_yaml
+from repro.errors import InputError
 from repro.settings import of_network
+from repro.signals.programs import MEMORY_SAMPLES
 
 BASE, SMOKE, QUICK = (ROOT / "config" / f"{name}.yaml" for name in ("config", "smoke", "quick"))
 REFERENCE = runpy.run_path(str(ROOT / "config/reference.py"))
@@ -183,8 +186,10 @@ BAD = {
     "signals: {duration_s: 30.0}": ("signals.duration_s", "30.0", "memory holds, 19.53 s"),
     "signals: {sampling_period_s: 0.002}": ("signals.sampling_period_s", "0.002", "0.0025 s, the board's clock"),
     "spread: {durations_s: [3.0, 0.2]}": ("spread.durations_s[1]", "0.2", "image_samples (100)"),
+    "spread: {durations_s: [3.0, 3.0]}": ("spread.durations_s", "[3.0, 3.0]", "values that differ"),
     "spread: {arms: 5}": ("spread.arms", "5", "as many specimens of every arm"),
     "coverage: {levels: [0.9, 0.5]}": ("coverage.levels", "[0.9, 0.5]", "rising shares"),
+    "coverage: {levels: [1.0]}": ("coverage.levels[0]", "1.0", "less than 1"),
     "coverage: {levels: [0.999]}": ("coverage.levels", "[0.999]", "0.9967 at most"),
     "experiment: {lead_in_s: 100.0}": ("experiment.lead_in_s", "100.0", "one sampling period"),
     "results: a\nexperiment: {captures: a/experiment}": ("experiment.captures", "a/experiment", "does not write"),
@@ -220,6 +225,15 @@ def test_a_contradiction_is_one_line_that_names_the_overlay(tmp_path, capsys, te
         accept_config(load(BASE, file), [BASE, file])
     assert stop.value.code == 2
     assert capsys.readouterr() == ("", f"{line[0]}\n")
+
+
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_a_motion_may_fill_the_memory_of_the_board(beyond):
+    config = load(BASE)
+    edges = round(config["experiment"]["lead_in_s"] / 0.0025) + 2 * config["experiment"]["margin_samples"]
+    config["signals"]["duration_s"] = (MEMORY_SAMPLES - edges + beyond) * 0.0025
+    with pytest.raises(InputError) if beyond else nullcontext():
+        check_config(config, [BASE])
 
 
 def test_the_last_file_with_the_value_is_named(tmp_path):

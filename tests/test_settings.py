@@ -68,6 +68,9 @@ def test_defaults_agree_with_the_default_configuration():
     assert settings.refinement_settings(DEFAULT) == RefinementSettings()
     assert settings.search_settings(DEFAULT) == SearchSettings()
     assert settings.metric_settings(DEFAULT) == MetricSettings()
+    changed = DEFAULT | {"metric": {**DEFAULT["metric"], "exponent": 1.7}}
+    assert settings.search_settings(changed) == SearchSettings(metric=settings.metric_settings(changed))
+    assert settings.metric_settings(changed) != MetricSettings()
     assert program_settings(DEFAULT) == TrajectorySettings(duration=DEFAULT["signals"]["duration_s"])
 
 

@@ -36,6 +36,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
     ("content", "found"),
     [
         ("file: a.yaml\n", "file: found 'a.yaml', expected a key of an arm, with a value"),
+        ("name:\n", "name: found None, expected a key of an arm, with a value"),
         ("colour: red\n", "colour: found an unknown key, expected one of name, columns"),
         ("self: 1\n", "self: found an unknown key, expected one of name, columns"),
         ("columns: {q3: a}\n", "columns.q3: found an unknown key, expected one of 'time', 'q1'"),

@@ -17,6 +17,7 @@ from repro.identification.method import NETWORKS
 from repro.ownarm import outputs, tables
 from repro.ownarm.outputs import bibtex, citations, entries, write_result
 from repro.ownarm.result import Curves
+from repro.ownarm.text import NOT_EXCITED
 
 pytestmark = pytest.mark.usefixtures("no_figures")
 CURVES = example_curves(3.0)
@@ -75,6 +76,15 @@ def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, link
     for files in (overwritten, fresh):
         del files["provenance.json"]  # which says when
     assert overwritten == fresh
+
+
+@pytest.mark.parametrize("name", ["I1", "g2"])
+def test_links_need_what_masses_and_lengths_depend_on(tmp_path, name):
+    result = example_result()
+    p = tuple(replace(p, verdict=NOT_EXCITED) if p.name == name else p for p in result.best.parameters)
+    methods = tuple(replace(m, parameters=p) for m in result.methods)
+    assert "no-links.txt" in write_result(tmp_path, replace(result, methods=methods), CURVES, ARM)
+    assert f"does not determine {name}, which" in (tmp_path / "no-links.txt").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

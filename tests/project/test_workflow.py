@@ -282,6 +282,8 @@ def described(rule):
     digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)
     trainers = [name for name in ("repro.cnn.train", "repro.cnn.plain") if f"{name}:train" in digests]
     yield f"rule {rule.name}: {Path(rule.script).name}; {rule.message}; priority {rule.priority}; trains by {trainers}"
+    if rule.name in rule.workflow._localrules:
+        yield "  no job of a cluster"
     for kind in ("input", "output", "params"):
         given = getattr(rule, kind)
         names, found = {id(value): name for name, value in given.items()}, {}
