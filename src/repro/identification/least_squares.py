@@ -40,6 +40,9 @@ MIN_FRICTION_RATIO = 1e-6  # friction torque over the largest torque of a parame
 #: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)  # lower bounds: friction is zero or more, the rest is free
+UPPER_BOUNDS = np.full(9, np.inf)
+#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2.
+SAME_SIGN = (NAMES.index("I2"), NAMES.index("g2"))
 
 
 def with_known(method: Callable[[Regression], Estimate]) -> Callable[[Regression], Estimate]:
@@ -135,11 +138,13 @@ def bounded(regression: Regression) -> Estimate:
     return Estimate(beta, (f"held at zero: {', '.join(zero)}",) if zero else ())
 
 
-def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Array) -> Array:
+def solve_inequality(
+    r: Array, c: Array, scale: Array, margin: float, known: Array, low: Array = LOWER_BOUNDS, high: Array = UPPER_BOUNDS
+) -> Array:
     """Minimise |R z - c| over beta = z / scale + known (9,) whose inertia has eigenvalues of `margin` (kg m^2) or more.
 
     M(q) is positive definite in every pose when [[I1 - I3, I2/2], [I2/2, I3]] is (see `repro.model.parameters`): a
-    linear matrix inequality, solved by Clarabel through CVXPY. Friction must not be negative.
+    linear matrix inequality, solved by Clarabel through CVXPY. The bounds (9,) of beta are zero or infinite.
     """
     import cvxpy as cp  # noqa: PLC0415  (takes a second to load, and most logs need none of it)
 
@@ -148,7 +153,8 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Arr
     beta = cp.multiply(z, 1.0 / scale) + known / size
     off = beta[1] / 2.0
     inertia = cp.bmat([[beta[0] - beta[2], off], [off, beta[2]]])
-    conditions = [inertia >> margin / size * np.eye(2), beta[5:] >= 0.0]
+    bounded = [sign * beta[np.flatnonzero(bound == 0.0)] >= 0.0 for sign, bound in ((1.0, low), (-1.0, high))]
+    conditions = [inertia >> margin / size * np.eye(2), *bounded]
     problem = cp.Problem(cp.Minimize(cp.sum_squares(r @ z - c / size)), conditions)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of inaccuracy, which `is_positive_definite` is there to catch
@@ -159,26 +165,42 @@ def solve_inequality(r: Array, c: Array, scale: Array, margin: float, known: Arr
     # The pull to zero is below the solver's tolerance; the inertia keeps what its condition requires. The solver stays
     # inside its bounds by a hair: friction that small is a bound that holds.
     solution[5:] *= determined(r, c)[5:]
-    solution[5:] = np.maximum(clip_to_bound(solution, MIN_FRICTION_RATIO)[5:], 0.0)
-    return solution / scale + known
+    return _at_bounds(solution, MIN_FRICTION_RATIO, low, high) / scale + known
+
+
+def _at_bounds(z: Array, ratio: float, low: Array, high: Array) -> Array:
+    """Set what a solver leaves of a bound that holds, a fraction of the largest number, to zero."""
+    return np.where((low == 0.0) | (high == 0.0), np.clip(clip_to_bound(z, ratio), low, high), z)
 
 
 def solve_consistent(r: Array, c: Array, scale: Array, known: Array) -> tuple[Array, bool]:
     """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding."""
-    # Bounds on friction alone are cheap, and give the solution where its inertia is definite.
-    z = lsq_linear(r, c, bounds=(LOWER_BOUNDS, np.inf), method="bvls").x
+    beta, binding = _solve_definite(r, c, scale, known, LOWER_BOUNDS, UPPER_BOUNDS)
+    if np.prod(beta[[*SAME_SIGN]]) >= 0.0:
+        return beta, binding
+    signs, both = {float(np.sign(known[k])) for k in SAME_SIGN if known[k]} or {1.0, -1.0}, []
+    for sign in sorted(signs):
+        low, high = LOWER_BOUNDS.copy(), UPPER_BOUNDS.copy()
+        (low if sign > 0.0 else high)[[k for k in SAME_SIGN if not known[k]]] = 0.0
+        both.append(_solve_definite(r, c, scale, known, low, high)[0])
+    return min(both, key=lambda beta: float(np.linalg.norm(r @ ((beta - known) * scale) - c))), True
+
+
+def _solve_definite(r: Array, c: Array, scale: Array, known: Array, low: Array, high: Array) -> tuple[Array, bool]:
+    """Compute the parameters with a definite inertia and within bounds, and whether a condition is binding."""
+    # Bounds alone are cheap, and give the solution where its inertia is definite.
+    z = lsq_linear(r, c, bounds=(low, high), method="bvls").x
     z *= determined(r, c)  # which leaves no rounding in the rows that pull
-    z[5:] = np.maximum(clip_to_bound(z, 1e-12)[5:], 0.0)
-    bounded = z / scale + known
+    bounded = _at_bounds(z, 1e-12, low, high) / scale + known
     margin = MIN_EIGENVALUE_RATIO * max(abs(float(bounded[0] + bounded[2])), np.finfo(np.float64).tiny)
     if is_positive_definite(bounded - margin * INERTIA_MARGIN):
         return bounded, bool((bounded[5:] == 0.0).any())
-    return solve_inequality(r, c, scale, margin, known), True
+    return solve_inequality(r, c, scale, margin, known, low, high), True
 
 
 @with_known
 def consistent(regression: Regression) -> Estimate:
-    """Solve least squares with M(q) positive definite in every pose and no friction negative."""
+    """Solve least squares with M(q) positive definite in every pose, no negative friction and one sign of I2 and g2."""
     problem = reduced_problem(regression.y, regression.tau, regression.prior)
     beta, binding = solve_consistent(*problem, regression.known)
     note = "the conditions of physical consistency hold it" if binding else "consistent without being held"
