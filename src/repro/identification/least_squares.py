@@ -41,8 +41,10 @@ MIN_FRICTION_RATIO = 1e-6  # friction torque over the largest torque of a parame
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)  # lower bounds: friction is zero or more, the rest is free
 UPPER_BOUNDS = np.full(9, np.inf)
-#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2.
-SAME_SIGN = (NAMES.index("I2"), NAMES.index("g2"))
+#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2, and g1 is positive unless joint 1 has a heavy counterweight. A
+#: joint whose zero is half a turn away changes two of these signs, so that their product is never negative.
+SIGNED = (NAMES.index("I2"), NAMES.index("g1"), NAMES.index("g2"))
+SIGNS = ((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
 
 
 def with_known(method: Callable[[Regression], Estimate]) -> Callable[[Regression], Estimate]:
@@ -176,14 +178,17 @@ def _at_bounds(z: Array, ratio: float, low: Array, high: Array) -> Array:
 def solve_consistent(r: Array, c: Array, scale: Array, known: Array) -> tuple[Array, bool]:
     """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding."""
     beta, binding = _solve_definite(r, c, scale, known, LOWER_BOUNDS, UPPER_BOUNDS)
-    if np.prod(beta[[*SAME_SIGN]]) >= 0.0:
+    if np.prod(beta[[*SIGNED]]) >= 0.0:
         return beta, binding
-    signs, both = {float(np.sign(known[k])) for k in SAME_SIGN if known[k]} or {1.0, -1.0}, []
-    for sign in sorted(signs):
+    found = []
+    for signs in SIGNS:
         low, high = LOWER_BOUNDS.copy(), UPPER_BOUNDS.copy()
-        (low if sign > 0.0 else high)[[k for k in SAME_SIGN if not known[k]]] = 0.0
-        both.append(_solve_definite(r, c, scale, known, low, high)[0])
-    return min(both, key=lambda beta: float(np.linalg.norm(r @ ((beta - known) * scale) - c))), True
+        for k, sign in zip(SIGNED, signs, strict=True):
+            if known[k] == 0.0:
+                (low if sign > 0.0 else high)[k] = 0.0
+        if all(sign * known[k] >= 0.0 for k, sign in zip(SIGNED, signs, strict=True)):
+            found.append(_solve_definite(r, c, scale, known, low, high)[0])
+    return min(found, key=lambda beta: float(np.linalg.norm(r @ ((beta - known) * scale) - c))), True
 
 
 def _solve_definite(r: Array, c: Array, scale: Array, known: Array, low: Array, high: Array) -> tuple[Array, bool]:
@@ -200,7 +205,7 @@ def _solve_definite(r: Array, c: Array, scale: Array, known: Array, low: Array, 
 
 @with_known
 def consistent(regression: Regression) -> Estimate:
-    """Solve least squares with M(q) positive definite in every pose, no negative friction and one sign of I2 and g2."""
+    """Solve least squares with M(q) positive definite in every pose, friction >= 0 and I2 g1 g2 >= 0."""
     problem = reduced_problem(regression.y, regression.tau, regression.prior)
     beta, binding = solve_consistent(*problem, regression.known)
     note = "the conditions of physical consistency hold it" if binding else "consistent without being held"
