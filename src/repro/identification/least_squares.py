@@ -41,8 +41,8 @@ MIN_FRICTION_RATIO = 1e-6  # friction torque over the largest torque of a parame
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)  # lower bounds: friction is zero or more, the rest is free
 UPPER_BOUNDS = np.full(9, np.inf)
-#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2, and g1 is positive without a heavy counterweight. A zero half a
-#: turn away changes two of these signs, so that their product is never negative.
+#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2, and g1 is positive without a heavy counterweight. A zero
+#: half a turn away changes two of these signs, so that their product is never negative.
 SIGNED = (NAMES.index("I2"), NAMES.index("g1"), NAMES.index("g2"))
 SIGNS = ((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
 
