@@ -25,7 +25,7 @@ pytestmark = pytest.mark.slow
 
 #: Standard normal numbers.
 WHITE = np.random.default_rng(8).normal(size=(2, 4800))
-HELD = "held at zero: the log alone would make it negative"
+HELD = "held at zero: the log alone would give it an impossible sign"
 
 
 @example([-0.5, 0.0, -0.2, *[0.1] * 6])

@@ -55,7 +55,7 @@ def verdict(
     if not determined:
         return COMBINED if excited else NOT_EXCITED
     if at_bound:
-        return "held at zero: the log alone would make it negative"
+        return "held at zero: the log alone would give it an impossible sign"
     if low is None or high is None:
         none = f"no interval: {doubt}" if doubt else "the method claims no interval"
         return none if excited else NOT_EXCITED
