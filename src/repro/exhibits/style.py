@@ -121,7 +121,7 @@ _TITLES = {
     "algorithm1+paper-recipe": "Algorithm 1, the paper's own training",
     "algorithm1+paper-recipe-ranges": "Algorithm 1, the paper's own training and ranges of parameters",
     "bounded": "Least squares, no parameter below zero (line 22's constraint)",
-    "consistent": "Least squares, positive-definite inertia",
+    "consistent": "Least squares, physically consistent",
     "appendix": "True parameters without back-EMF",
 }
 
