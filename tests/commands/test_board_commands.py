@@ -81,8 +81,9 @@ def test_a_board_that_serves_once_with_faults(tmp_path, capsys):
 @pytest.mark.slow
 def test_a_closed_terminal_ends_a_recording_and_stops_the_arm(tmp_path):
     board, endpoint, out = PlayedBoard(FRAMES[:800]), PtyEndpoint(), tmp_path / "T4.bin"
-    command = [sys.executable, SCRIPT, "record", "--port", endpoint.port, "--trajectory", "T4", "--out", out]
-    with served(board, endpoint, real_time=True), subprocess.Popen([*command, "--timeout", "60"], stderr=-3) as host:
+    record = ["record", "--port", endpoint.port, "--trajectory", "T4", "--out", out, "--timeout", "60"]
+    command = ["env", "--default-signal=HUP", sys.executable, SCRIPT, *record]  # under nohup, too
+    with served(board, endpoint, real_time=True), subprocess.Popen(command, stderr=-3) as host:
         while not (board.place or host.poll()):
             time.sleep(0.01)
         host.send_signal(signal.SIGHUP)

@@ -180,15 +180,22 @@ def solve_consistent(r: Array, c: Array, scale: Array, known: Array) -> tuple[Ar
     beta, binding = _solve_definite(r, c, scale, known, LOWER_BOUNDS, UPPER_BOUNDS)
     if np.prod(beta[[*SIGNED]]) >= 0.0:
         return beta, binding
-    found = []
+    bounds = []
     for signs in SIGNS:
         low, high = LOWER_BOUNDS.copy(), UPPER_BOUNDS.copy()
         for k, sign in zip(SIGNED, signs, strict=True):
             if known[k] == 0.0:
                 (low if sign > 0.0 else high)[k] = 0.0
         if all(sign * known[k] >= 0.0 for k, sign in zip(SIGNED, signs, strict=True)):
-            found.append(_solve_definite(r, c, scale, known, low, high)[0])
-    return min(found, key=lambda beta: float(np.linalg.norm(r @ ((beta - known) * scale) - c))), True
+            bounds.append((float(lsq_linear(r, c, bounds=(low, high), method="bvls").cost), low, high))
+    least = np.inf
+    for without_inertia, low, high in sorted(bounds, key=lambda bound: bound[0]):
+        if without_inertia < least:  # else its inertia can only add to the error
+            found = _solve_definite(r, c, scale, known, low, high)[0]
+            cost = 0.5 * float(np.sum((r @ ((found - known) * scale) - c) ** 2))
+            if cost < least:
+                least, beta = cost, found
+    return beta, True
 
 
 def _solve_definite(r: Array, c: Array, scale: Array, known: Array, low: Array, high: Array) -> tuple[Array, bool]:
