@@ -64,12 +64,13 @@ site: | check-python
 	  build/site-venv/bin/python -m pip --disable-pip-version-check install --quiet $(LOCK_OPTIONS) -r requirements-site.lock; }
 	build/site-venv/bin/python docs/build_site.py
 
+# Folders of tests that take long together are left to `make test`.
 check: setup-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow"
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow" $(foreach part,api study report project,--ignore tests/$(part))
 
 test: setup-test
 	$(BIN)/ruff check .

@@ -18,6 +18,8 @@ from repro.ownarm.prior import read_prior
 from repro.ownarm.problem import SCALE_OF_JOINT_1
 from repro.ownarm.text import calibration_lines
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = FilterSettings()
 CLEAN = log_from(motion, seconds=12.0)
 
@@ -36,7 +38,6 @@ def spoilt(log, zero1=0.0, zero2=0.0, offset1=0.0, offset2=0.0, scale2=1.0):
     return replace(log, q=log.q - zero, tau=factor * log.tau + offset)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "faults",
     [
@@ -60,7 +61,6 @@ def test_faults_are_found_with_their_size(faults):
     np.testing.assert_allclose(solve(r.y, r.tau)[:5], BETA[:5], rtol=0.1)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("zero", [{"zero1": 0.17}, {"zero2": -0.17}], ids=str)
 def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
     """Without it the fit is so poor that a full step of Gauss-Newton goes anywhere."""
@@ -68,7 +68,6 @@ def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
     assert {fault.name: pytest.approx(fault.value, abs=0.005) for fault in found} == zero
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "noise", "others"),
     [({"zero2": -0.08}, 0.03, []), ({"zero2": -0.08}, 0.5, ["zero1", "offset2"]), ({"offset1": 0.3}, 0.9, ["zero1"])],
@@ -80,12 +79,10 @@ def test_a_fault_that_a_log_can_hardly_tell_from_another_says_so(wrong, noise, o
     assert [*fault.instead] == others
 
 
-@pytest.mark.slow
 def test_a_log_without_a_fault_has_none():
     assert sum(bool(find_calibration_errors(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", CANDIDATES)
 def test_a_fault_is_found_from_the_size_that_is_said(name):
     """Half of it is not, half as much again is: both rules hold for a column added to the nine, but for curvature."""

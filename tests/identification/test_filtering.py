@@ -17,6 +17,8 @@ from repro.identification import filtering
 from repro.identification.filtering import FILTERS, FilterSettings, choose_cutoff, estimate_delay, prepare
 from repro.identification.regression import drop_standstill, reduced_problem, solve
 
+pytestmark = pytest.mark.slow
+
 LOG = log_from(log_example.motion)
 BROAD = log_from(broadband, seconds=24.0)
 
@@ -113,7 +115,6 @@ def test_a_log_that_the_cuts_leave_nothing_of_is_refused(seconds):
     assert "leave nothing between cuts" in refused(prepare, short, FilterSettings())
 
 
-@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize(("late", "cutoff"), [(-0.008, 8.0), (0.009, 5.0)])
 def test_a_delay_is_found_and_without_it_the_arm_is_right(name, late, cutoff):
@@ -151,7 +152,6 @@ def test_standstill_counts_for_a_joint_that_moves_a_fifth_of_the_time(share, all
     assert kept.tau[0, ~moves].any() == all_count
 
 
-@pytest.mark.slow
 @every_filter
 def test_a_coarser_encoder_lowers_the_cutoff(name):
     steps = (0.0, 1e-4, 3e-3, 1e-2, 3e-2, 0.1)
@@ -164,7 +164,6 @@ def test_a_coarser_encoder_lowers_the_cutoff(name):
     assert "times its noise" in chosen[-1].reason
 
 
-@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("edge", [3.0, 6.0])
 def test_the_cutoff_ends_where_torque_noise_begins(name, edge):
@@ -176,7 +175,6 @@ def test_the_cutoff_ends_where_torque_noise_begins(name, edge):
     assert f"{choice.hertz:.3g} Hz" in choice.reason
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("rate", [40.0, 100.0, 1000.0])
 @pytest.mark.parametrize(("step", "noise"), [(0.0, 0.0), (0.3, 0.0), (0.0, 100.0), (0.3, 100.0)])
 def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
@@ -191,7 +189,6 @@ def test_the_cutoff_stays_within_its_bounds(rate, step, noise):
         assert choice.hertz < 0.6 * choice.highest
 
 
-@pytest.mark.slow
 @every_filter
 @pytest.mark.parametrize("steepness", [20.0, 100.0])
 def test_steepness_is_recovered(name, steepness):
@@ -199,7 +196,6 @@ def test_steepness_is_recovered(name, steepness):
     assert filtering.choose_steepness([(noisy, FilterSettings(name=name, friction_steepness=7.0))]) == steepness
 
 
-@pytest.mark.slow
 @given(seeds, st.floats(-3.0, 3.0).filter(lambda x: abs(x) > 0.1))
 def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
     """Shortest in torque: columns have unit length when lengths are compared."""
@@ -213,7 +209,6 @@ def test_of_collinear_columns_the_shortest_solution_is_taken(seed, ratio):
     np.testing.assert_allclose(length * solve(y, tau), expected, rtol=1e-7, atol=1e-9)
 
 
-@pytest.mark.slow
 @given(seeds, st.sampled_from(["all", "joint 2 still", "collinear", "straight", "no motion"]))
 def test_reduced_rows_hold_the_whole_cost_and_have_the_shortest_solution(seed, kind):
     rng = np.random.default_rng(seed)

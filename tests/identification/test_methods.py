@@ -19,6 +19,8 @@ from repro.identification.least_squares import METHODS
 from repro.identification.method import LEAST_SQUARES
 from repro.identification.regression import drop_standstill
 
+pytestmark = pytest.mark.slow
+
 CLEAN = prepare(log_from(log_example.motion), FilterSettings(cutoff=8.0))
 PROBLEMS = {"clean": CLEAN, "noisy": noisy_problem(8, 60, 0.02), "hostile": hostile(3), "more hostile": hostile(5)}
 every_method = pytest.mark.parametrize("name", sorted(METHODS))
@@ -67,7 +69,6 @@ def independent(name, y, tau):
     return beta
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ordinary", "bounded", "instrumental"])
 @pytest.mark.parametrize("still", [None, 0, 1], ids=["moving", "joint 1 still", "joint 2 still"])
 @settings(max_examples=30)
@@ -79,7 +80,6 @@ def test_estimates_are_those_of_an_independent_solver(name, still, seed, at):
     assert (found[~regression.y.any(axis=(0, 1))] == 0.0).all()
 
 
-@pytest.mark.slow
 @every_method
 @pytest.mark.parametrize("kind", ["noisy", "hostile", "more hostile"])
 @pytest.mark.parametrize("factor", [1e-4, 3000.0])
@@ -98,7 +98,6 @@ AT_REST = [(0, at, [I3, G2, B2, K2]) for at in (0.0, 0.3)]
 AT_REST += [(1, at, [I1 + np.cos(at) * I2, B1, K1, *([G1, G2] if at else [G1 + G2])]) for at in (0.0, 0.7)]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("filter_name", sorted(FILTERS))
 @pytest.mark.parametrize(("joint", "at", "known"), AT_REST)
 def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
@@ -116,7 +115,6 @@ def test_a_joint_at_rest_spoils_nothing(filter_name, joint, at, known):
         assert (beta[[5 + joint, 7 + joint]] == 0.0).all(), (name, beta)
 
 
-@pytest.mark.slow
 @every_method
 @pytest.mark.parametrize("joint", [0, 1])
 def test_instruments_and_rows_of_rounding_are_no_motion(name, joint):

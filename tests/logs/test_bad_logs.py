@@ -17,6 +17,8 @@ from repro.logs.load import read_log
 from repro.logs.log import Log, uniform
 from repro.model.dynamics import forward_dynamics
 
+pytestmark = pytest.mark.slow
+
 
 def described(path, arm):
     return describe(read_log(path, arm), arm)
@@ -28,7 +30,6 @@ def suspected(tmp_path_factory):
     return {name: described(write(folder, content), Arm(**keys)) for name, content, keys in SUSPECTED}
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 def test_a_bad_log_is_refused_in_one_line_and_an_odd_one_warned_of(tmp_path, suspected, file_regression):
     sound = described(write(tmp_path, GOOD), Arm())
@@ -53,7 +54,6 @@ def test_a_bad_log_is_refused_in_one_line_and_an_odd_one_warned_of(tmp_path, sus
     file_regression.check(kept + "\n", check_fn=same, basename="messages")
 
 
-@pytest.mark.slow
 def test_the_remedy_of_another_convention_or_delay_helps(tmp_path, suspected):
     tried, better = [], ("the log reads better", "the torque fits")
     for name, content, keys in SUSPECTED:
@@ -80,7 +80,6 @@ def moved(torque, x, v, noise):
     return Log(name="log.csv", t=h * np.arange(n), q=q, tau=tau + noise)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_about_zero_in_a_free_fall_suggests_no_other_reading(seed):
     rng = np.random.default_rng(seed)
@@ -90,7 +89,6 @@ def test_noise_about_zero_in_a_free_fall_suggests_no_other_reading(seed):
     assert all("this log can only test the motion" in line for line in warnings)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_a_switched_torque_is_neither_noise_nor_saturated(noise):
     """Most of it is above any cutoff, and what is below drives the arm."""

@@ -20,6 +20,8 @@ from repro.paper.ledger import ASSERTED, compute, refuted_number
 from repro.paper.our_values import FILES, Results, values_of
 from repro.paper.published import PublishedValue, load_published
 
+pytestmark = pytest.mark.slow
+
 
 def printed(value="97.10", relation="is", kind="stochastic", id_="table07/N1/total/joint1", case="N1"):
     return PublishedValue(id_, "Table 7", "total", case, "algorithm1", 1, "", "%", relation, value, "", kind)
@@ -152,7 +154,6 @@ LITERAL = {
 }
 
 
-@pytest.mark.slow
 def test_what_is_asserted_follows_the_rule(claims):
     kinds = {number.id: number.kind for number in PUBLISHED}
     compared = ~claims["verdict"].isin(["needs the hardware", "contradicts itself", "not run"])
@@ -172,7 +173,6 @@ def test_what_is_asserted_follows_the_rule(claims):
     assert {"abstract/numeric/total", CENTRAL} <= set(claims.index[claims["asserted"] != ""])
 
 
-@pytest.mark.slow
 def test_another_setting_breaks_its_claim(stored):
     changes = {
         "section6/numeric/threshold": ("algorithm1", "threshold_numeric", 0.93),
@@ -184,7 +184,6 @@ def test_another_setting_breaks_its_claim(stored):
     assert changes.keys() <= set(broken(ledger(Results(stored), {**SETTINGS, **changed}).reset_index())["id"])
 
 
-@pytest.mark.slow
 def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims):
     noted = {refuted_number(f) for f in findings(PUBLISHED)} - {""}
     totals = {"table07/N1/total/joint2", "table10/T2/algorithm1/total/joint2", "table10/T2/least-squares/total/joint2"}
@@ -228,7 +227,6 @@ def altered(stored):
     return ledger(results)
 
 
-@pytest.mark.slow
 def test_statements_about_all_cases_use_the_worst_the_best_or_the_mean(altered):
     assert altered.loc["section7/experimental/total", "ours"] == pytest.approx(98.5)
     assert altered.loc["abstract/experimental/total", ["ours", "verdict"]].tolist() == [pytest.approx(60.0), "differs"]
@@ -237,7 +235,6 @@ def test_statements_about_all_cases_use_the_worst_the_best_or_the_mean(altered):
     assert set(broken(altered.reset_index())["id"]) == set(ASSERTED)
 
 
-@pytest.mark.slow
 def test_a_result_that_scatters_is_inconclusive(altered):
     """Its interval would let 40 % pass for the published number."""
     row = altered.loc["table10/T4/algorithm1/total/joint1"]
@@ -245,7 +242,6 @@ def test_a_result_that_scatters_is_inconclusive(altered):
     assert row["tolerance"] == pytest.approx(0.005 + 4.9683 * 30.0, rel=1e-4)
 
 
-@pytest.mark.slow
 def test_an_estimate_nearer_the_truth_than_the_published_one_is_better(altered):
     verdicts = altered.loc[["table04/N1/algorithm1/I1", "table05/N3/algorithm1/I1"], "verdict"]
     assert verdicts.tolist() == ["better", "differs"]
