@@ -5,7 +5,7 @@ A new method is a function from a `Regression` to an `Estimate`, an entry of `ME
 """
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import wraps
 
@@ -155,8 +155,7 @@ def solve_inequality(
     beta = cp.multiply(z, 1.0 / scale) + known / size
     off = beta[1] / 2.0
     inertia = cp.bmat([[beta[0] - beta[2], off], [off, beta[2]]])
-    bounded = [sign * beta[np.flatnonzero(bound == 0.0)] >= 0.0 for sign, bound in ((1.0, low), (-1.0, high))]
-    conditions = [inertia >> margin / size * np.eye(2), *bounded]
+    conditions = [inertia >> margin / size * np.eye(2), beta[low == 0.0] >= 0.0, beta[high == 0.0] <= 0.0]
     problem = cp.Problem(cp.Minimize(cp.sum_squares(r @ z - c / size)), conditions)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of inaccuracy, which `is_positive_definite` is there to catch
@@ -180,22 +179,26 @@ def solve_consistent(r: Array, c: Array, scale: Array, known: Array) -> tuple[Ar
     beta, binding = _solve_definite(r, c, scale, known, LOWER_BOUNDS, UPPER_BOUNDS)
     if np.prod(beta[[*SIGNED]]) >= 0.0:
         return beta, binding
-    bounds = []
-    for signs in SIGNS:
-        low, high = LOWER_BOUNDS.copy(), UPPER_BOUNDS.copy()
-        for k, sign in zip(SIGNED, signs, strict=True):
-            if known[k] == 0.0:
-                (low if sign > 0.0 else high)[k] = 0.0
-        if all(sign * known[k] >= 0.0 for k, sign in zip(SIGNED, signs, strict=True)):
-            bounds.append((float(lsq_linear(r, c, bounds=(low, high), method="bvls").cost), low, high))
+    # The error within the bounds alone is the least that a set of signs can have, so the rest need not be solved.
+    bounds = [(lsq_linear(r, c, bounds=each, method="bvls").cost, *each) for each in _bounds_of_signs(known)]
     least = np.inf
-    for without_inertia, low, high in sorted(bounds, key=lambda bound: bound[0]):
-        if without_inertia < least:  # else its inertia can only add to the error
+    for possible, low, high in sorted(bounds, key=lambda each: each[0]):
+        if possible < least:
             found = _solve_definite(r, c, scale, known, low, high)[0]
             cost = 0.5 * float(np.sum((r @ ((found - known) * scale) - c) ** 2))
-            if cost < least:
-                least, beta = cost, found
+            least, beta = min((least, beta), (cost, found), key=lambda each: each[0])
     return beta, True
+
+
+def _bounds_of_signs(known: Array) -> Iterator[tuple[Array, Array]]:
+    """Bounds (9,) of each set of signs that agrees with what is known; that itself has no bound."""
+    values, is_known = known[[*SIGNED]], known[[*SIGNED]] != 0.0
+    for signs in np.array(SIGNS):
+        if (signs * values >= 0.0).all():
+            low, high = LOWER_BOUNDS.copy(), UPPER_BOUNDS.copy()
+            low[[*SIGNED]] = np.where((signs > 0.0) & ~is_known, 0.0, -np.inf)
+            high[[*SIGNED]] = np.where((signs < 0.0) & ~is_known, 0.0, np.inf)
+            yield low, high
 
 
 def _solve_definite(r: Array, c: Array, scale: Array, known: Array, low: Array, high: Array) -> tuple[Array, bool]:
