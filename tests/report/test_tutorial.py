@@ -14,7 +14,7 @@ def test_a_cell_that_fails_leaves_no_page(tmp_path):
     script = tmp_path / "bad.py"
     script.write_text("# %%\n1 / 0\n", encoding="utf-8")
     with pytest.raises(ZeroDivisionError):
-        run_tutorial(script, tmp_path / "bad.md")
+        run_tutorial(script, tmp_path / "bad.md", "mine")
     assert not (tmp_path / "bad.md").exists()
 
 
@@ -27,10 +27,9 @@ def test_kept_pages_show_the_cells_of_their_scripts(script):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["board", pytest.param("real-arm", marks=needs_real_data)])
-def test_a_tutorial_makes_the_page_that_is_kept(name, tmp_path, monkeypatch):
-    monkeypatch.setenv("REPRO_REALDATA", str(folder()))
+def test_a_tutorial_makes_the_page_that_is_kept(name, tmp_path):
     page = tmp_path / "out" / f"{name}.md"
-    run_tutorial(ROOT / "docs" / "tutorials" / f"{name}.py", page)
+    run_tutorial(ROOT / "docs" / "tutorials" / f"{name}.py", page, str(folder()))
     made, kept = (each.read_text(encoding="utf-8") for each in (page, KEPT / f"{name}.md"))
     assert same_output(made, kept), made
     assert {each.name for each in page.parent.iterdir()} == {each.name for each in KEPT.glob(f"{name}*")}

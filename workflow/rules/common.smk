@@ -5,14 +5,10 @@ CALL = "../scripts/call.py"
 AWAITED, TRAINING, LONG = 20, 10, 5
 
 
-def code(script, *definitions):
-    """Digests of what a script and further definitions reach; a docstring changes nothing. A job needs none."""
-    return CODE.of_script(HERE / "scripts" / script, *definitions) if workflow.is_main_process else []
-
-
 def call(function, *definitions):
-    """Function that the job of a rule calls, and the digests of what it reaches."""
-    return [function, *code("call.py", function, *definitions)]
+    """Function that the job of a rule calls, and digests of what it and further definitions reach; a job needs none."""
+    script = HERE / "scripts/call.py"
+    return [function, *(CODE.of_script(script, function, *definitions) if workflow.is_main_process else [])]
 
 
 # What makes training samples, and what reads the settings.

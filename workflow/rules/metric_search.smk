@@ -8,9 +8,9 @@ rule search_metric:
         torque_bounds=f"{R}/metric/torque_bounds.csv",
         least_squares_torque=f"{R}/metric/least_squares_torque.csv",
     params:
-        *code("search_metric.py"),
+        *call("repro.paper.metric_search:search_metric"),
         config=sections("metric_search"),
     message:
         "Searching for the formula of metr2ev and the random motion that explain Table 7"
     script:
-        "../scripts/search_metric.py"
+        CALL

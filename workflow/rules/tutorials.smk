@@ -1,20 +1,22 @@
 TUTORIALS = ["board", "real-arm"]
+# What their scripts call.
+RUN = ["repro.api", "repro.commands.boards", "repro.identification.exciting_motion"]
 
 
 # The logs of the real arm are the reader's own copies, which the page says how to download.
 rule tutorial:
     input:
-        HERE.parent / "docs/tutorials/{tutorial}.py",
+        script=HERE.parent / "docs/tutorials/{tutorial}.py",
     output:
         page=f"{R}/tutorials/{{tutorial}}.md",
         figure=f"{R}/tutorials/{{tutorial}}-1.png",
     params:
-        *code("tutorial.py", "repro.api", "repro.commands.boards", "repro.identification.exciting_motion"),
+        *call("repro.report.tutorial:run_tutorial", *RUN),
         logs=os.environ.get("REPRO_REALDATA", "mine"),
     message:
         "Tutorial {wildcards.tutorial}"
     script:
-        "../scripts/tutorial.py"
+        CALL
 
 
 rule tutorials:

@@ -9,8 +9,9 @@ The paper prints the filter of its random trajectory (Eq. 14), but neither the u
 trajectory: the search covers the `MOTIONS`. Checks that need no random motion follow the search.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,7 @@ import pandas as pd
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.paper.metric_candidates import CANDIDATES, Factor, Pair
-from repro.paper.published import NUMERIC_CASES, Published
+from repro.paper.published import NUMERIC_CASES, Published, load_published
 from repro.signals.dct import spectrum
 from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory
@@ -97,6 +98,14 @@ def score_torques(actual: Array, rebuilt: Array) -> Array:
 def score_candidates(motion: Motion, published: Published) -> Array:
     """Similarity of the pairs of Tables 4 and 5 by every candidate, shape (candidates, arms, 2)."""
     return score_torques(*_torques(motion, published))
+
+
+def search_metric(config: Mapping[str, Any]) -> list[pd.DataFrame]:
+    """Make the tables of the search and of the checks, in the order of the rule's files."""
+    settings, published = config["metric_search"], load_published()
+    scores = score_motions(published, settings["seed"], settings["repeats"])
+    checks = composition, abstract_check, pair_bounds, torque_bounds, least_squares_torque
+    return [rank_candidates(scores), compare_motions(scores), *(check(published) for check in checks)]
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ A cell begins with ``# %%``, a cell of text with ``# %% [markdown]``; editors an
 import ast
 import contextlib
 import io
+import os
 import re
 import tempfile
 from collections.abc import Iterator
@@ -41,8 +42,13 @@ def run_cell(code: str, name: str, names: dict[str, object]) -> tuple[str, Figur
     return printed.getvalue(), value if isinstance(value, Figure) else None
 
 
-def run_tutorial(script: Path, page: Path) -> None:
-    """Run a script in a temporary folder; write the page, and its figures next to it as ``PAGE-1.png`` and so on."""
+def run_tutorial(script: Path, page: Path, logs: str) -> None:
+    """Run a script in a temporary folder; write the page, and its figures next to it as ``PAGE-1.png`` and so on.
+
+    Logs of a real arm are in the folder `logs`, which the script finds by the variable ``REPRO_REALDATA``.
+    """
+    script, page = script.absolute(), page.absolute()
+    os.environ["REPRO_REALDATA"] = str(Path(logs).absolute())
     parts = [f"<!-- made from {script.name} by target `tutorials` -->"]
     names: dict[str, object] = {}
     figures = 0
