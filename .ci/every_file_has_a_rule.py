@@ -1,6 +1,6 @@
 """Check that a run left nothing which no rule makes, and that its record has all that the rules made.
 
-Usage, after the run: ``python .ci/every_file_has_a_rule.py config/smoke.yaml results/smoke paper_figures/smoke``
+Usage, after the run with ``config/golden.yaml``: ``python .ci/every_file_has_a_rule.py golden study all``
 """
 
 import hashlib
@@ -14,9 +14,10 @@ RECORD = "ro-crate-metadata.json"
 SIDECARS = {"logs/provenance.json", "logs/costs.csv", RECORD}
 
 
-def outputs(overlay: str) -> set[str]:
-    """Files that the rules of the default target name as outputs."""
-    command = [sys.executable, "-m", "snakemake", "--cores", "1", "--summary", "--configfile", overlay]
+def outputs(run: str, targets: list[str]) -> set[str]:
+    """Files that the rules of the targets name as outputs."""
+    overlay = f"config/{run}.yaml"
+    command = [sys.executable, "-m", "snakemake", "--cores", "1", "--summary", "--configfile", overlay, "--", *targets]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     lines = said[said.index("output_file\t") :].splitlines()[1:]
     return {line.split("\t")[0] for line in lines if "\t" in line}
@@ -48,7 +49,8 @@ def unrecorded(made: set[str], results: Path) -> list[str]:
 
 
 if __name__ == "__main__":
-    rules, places = outputs(sys.argv[1]), [Path(name) for name in sys.argv[2:]]
+    rules = outputs(sys.argv[1], sys.argv[2:])
+    places = [Path(folder) / sys.argv[1] for folder in ("results", "paper_figures")]
     problems = strays(rules, places) + unrecorded(rules, places[0])
     print("\n".join(problems) if problems else "every file comes from a rule, and is recorded")
     sys.exit(bool(problems))

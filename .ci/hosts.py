@@ -18,11 +18,12 @@ PYTHON = str(ROOT / ".venv/bin/python")
 NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests in which a float has a part.
 PORTABLE = (
-    *("compare", "contract", "dct", "dynamics", "experiment", "fingerprint", "least_squares", "metric", "networks"),
-    *("programs", "simulated_arms"),
+    *("compare", "contract", "dct", "dynamics", "fingerprint", "least_squares", "metric", "networks", "programs"),
 )
 #: The same with those of tampering, for two hosts.
 TAMPERED = (*PORTABLE, "verify")
+#: The same with those of arms simulated as one batch, whose sums are NumPy's.
+BATCHES = (*PORTABLE, "simulated_arms")
 #: What a whole emulated processor can run in a minute.
 FEW = ("compare", "contract", "fingerprint")
 
@@ -48,7 +49,7 @@ HOSTS = (
     Host("OpenBLAS Zen", {"OPENBLAS_CORETYPE": "Zen"}, needs="avx2"),
     Host("OpenBLAS Nehalem", {"OPENBLAS_CORETYPE": "Nehalem"}, needs="sse4_2"),
     Host("NumPy with AVX-512", {"NPY_DISABLE_CPU_FEATURES": ""}, needs="avx512vl"),
-    Host("NumPy without AVX2", {"NPY_DISABLE_CPU_FEATURES": f"X86_V3 {NO_AVX512}"}, needs="avx2"),
+    Host("NumPy without AVX2", {"NPY_DISABLE_CPU_FEATURES": f"X86_V3 {NO_AVX512}"}, needs="avx2", tests=BATCHES),
 )
 
 PROBES = """

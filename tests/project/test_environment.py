@@ -185,7 +185,7 @@ def test_a_lock_that_cannot_be_installed_ends_the_set_up(folder):
 
 @pytest.mark.parametrize(
     ("make", "last"),
-    [('[ "$1" != test ]', "== checks and tests"), ("true", "error: the second run of the smoke workflow had")],
+    [('[ "$1" != test ]', "== checks and tests"), ("true", "error: the second golden run had")],
 )
 def test_ci_ends_at_the_first_check_that_fails(tmp_path, make, last):
     programs = tmp_path / "programs"

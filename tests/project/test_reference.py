@@ -2,7 +2,6 @@
 
 import re
 import runpy
-import shutil
 
 import numpy as np
 import pandas as pd
@@ -57,16 +56,6 @@ def test_tables_of_the_pages_are_those_of_the_reference():
     marked = [name for text in texts.values() for _, name, _ in pages["MARKED"].findall(text)]
     assert sorted(marked) == sorted(pages["TABLES"])
     assert {name: pages["written"](text) for name, text in texts.items()} == texts
-
-
-def test_the_check_of_tables_finds_none_wrong_and_a_changed_total(tmp_path):
-    shutil.copytree(REFERENCE / "tables", tmp_path, dirs_exist_ok=True)
-    check = runpy.run_path(str(ROOT / ".ci/check_tables.py"))["faults"]
-    assert check(tmp_path) == []
-    whole = table("table07")
-    for change in (1e-6, -1e-6):
-        whole.assign(total=whole["total"] + change).to_csv(tmp_path / "table07.csv")
-        assert len(check(tmp_path)) == 1
 
 
 def test_the_check_that_every_file_has_a_rule_fails_where_one_has_none(tmp_path):

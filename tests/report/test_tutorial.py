@@ -14,7 +14,7 @@ def test_a_cell_that_fails_leaves_no_page(tmp_path):
     script = tmp_path / "bad.py"
     script.write_text("# %%\n1 / 0\n", encoding="utf-8")
     with pytest.raises(ZeroDivisionError):
-        run_tutorial(script, tmp_path / "bad.md", "mine")
+        run_tutorial(script, tmp_path / "bad.md", str(folder()))
     assert not (tmp_path / "bad.md").exists()
 
 
