@@ -127,10 +127,11 @@ def differences(table: str, a: Sequence[Row], b: Sequence[Row], tolerances: Tole
         if list(x) != list(y):
             yield Difference(Kind.EXACT, "header", ", ".join(x), ", ".join(y))
             return
-        for column in x:
-            if x[column] != y[column]:
-                kind, size, allowed = _judge(table, x, column, y[column], tolerances)
-                yield Difference(kind, f"line {number}, {column}", x[column], y[column], size, allowed)
+        changed = [column for column in x if x[column] != y[column]]
+        moved = any(_number(x[column]) is not None and _number(y[column]) is not None for column in changed)
+        for column in changed:
+            kind, size, allowed = _judge(table, x, column, y[column], tolerances, moved)
+            yield Difference(kind, f"line {number}, {column}", x[column], y[column], size, allowed)
 
 
 def _number(text: str) -> float | None:
@@ -140,14 +141,16 @@ def _number(text: str) -> float | None:
         return None
 
 
-def _judge(table: str, row: Row, column: str, other: str, tolerances: Tolerances) -> tuple[Kind, float, float]:
-    """Class of a cell, its difference from another text, and how much is allowed."""
+def _judge(
+    table: str, row: Row, column: str, other: str, tolerances: Tolerances, moved: bool
+) -> tuple[Kind, float, float]:
+    """Class of a cell, its difference from another text, and what is allowed; `moved`: a number of its row differs."""
     kind = tolerances.kind(table, row, column)
     numbers = [number for number in map(_number, (row[column], other)) if number is not None]
     if len(numbers) == 1 and math.isfinite(numbers[0]):
         return kind, math.inf, 0.0
-    if len(numbers) < 2:  # words that follow from trained numbers may differ with them, names of rows may not
-        exact = kind is Kind.COMPUTED or column in NAMES_OF_ROWS
+    if len(numbers) < 2:  # words that follow from trained numbers of their row may differ with them, names may not
+        exact = kind is Kind.COMPUTED or column in NAMES_OF_ROWS or not moved
         return (Kind.EXACT, math.inf, 0.0) if exact else (kind, math.inf, math.nan)
     a, b = numbers
     if not math.isfinite(a - b):
