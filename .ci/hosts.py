@@ -17,9 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PYTHON = str(ROOT / ".venv/bin/python")
 NO_AVX512 = "X86_V4 AVX512_ICL AVX512_SPR"
 #: Tests in which a float has a part.
-PORTABLE = (
-    *("compare", "contract", "dct", "dynamics", "fingerprint", "least_squares", "metric", "networks", "programs"),
-)
+PORTABLE = ("compare", "contract", "dct", "dynamics", "fingerprint", "least_squares", "metric", "networks", "programs")
 #: The same with those of tampering, for two hosts.
 TAMPERED = (*PORTABLE, "verify")
 #: The same with those of arms simulated as one batch, whose sums are NumPy's.

@@ -1,6 +1,6 @@
 TUTORIALS = ["board", "real-arm"]
 # What their scripts call.
-RUN = ["repro.api", "repro.commands.boards", "repro.identification.exciting_motion"]
+TUTORIAL_CODE = ["repro.api", "repro.commands.boards", "repro.identification.exciting_motion"]
 
 
 # The logs of the real arm are the reader's own copies, which the page says how to download.
@@ -11,7 +11,7 @@ rule tutorial:
         page=f"{R}/tutorials/{{tutorial}}.md",
         figure=f"{R}/tutorials/{{tutorial}}-1.png",
     params:
-        *call("repro.report.tutorial:run_tutorial", *RUN),
+        *call("repro.report.tutorial:run_tutorial", *TUTORIAL_CODE),
         logs=os.environ.get("REPRO_REALDATA", "mine"),
     message:
         "Tutorial {wildcards.tutorial}"
