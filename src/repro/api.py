@@ -57,9 +57,9 @@ class Identification:
     >>> import repro
     >>> result = repro.identify("data/captures/T3.bin", method=["ordinary", "bounded"])
     >>> result.method
-    'ordinary'
-    >>> ordinary = result.of("ordinary")
-    >>> result.beta.shape, bool((ordinary.beta == result.beta).all())
+    'bounded'
+    >>> bounded = result.of("bounded")
+    >>> result.beta.shape, bool((bounded.beta == result.beta).all())
     ((9,), True)
     >>> still = np.zeros((2, 1))
     >>> level = np.array([[np.pi / 2], [0.0]])

@@ -241,7 +241,7 @@ def test_tables_and_drawing_of_a_result(result, tmp_path):
     named = replace(result, details=replace(result.details, arm="<i>", warnings=("<b>.csv: slow",)))
     assert "<b>&lt;i&gt;" in named._repr_html_()
     assert "<li>&lt;b&gt;.csv: slow</li>" in named._repr_html_()
-    assert str(result.of("bounded")).startswith("arm (simulated): bounded least squares, instead of ordinary least")
+    assert str(result.of("ordinary")).startswith("arm (simulated): ordinary least squares, instead of bounded least")
     made = result.details.methods
     methods = [replace(m, consistent=m.method != "bounded", why_not_consistent="b1 < 0") for m in made]
     spoilt = replace(result, details=replace(result.details, methods=tuple(methods)))
@@ -249,7 +249,7 @@ def test_tables_and_drawing_of_a_result(result, tmp_path):
     for call, place in (
         (lambda: result.of("robust"), "method"),
         (lambda: result.plot(7), "log: found 7"),
-        (lambda: result.of("bounded").save(tmp_path / "out"), "method: found 'bounded'"),
+        (lambda: result.of("ordinary").save(tmp_path / "out"), "method: found 'ordinary'"),
         (lambda: result.save(tmp_path / "out", overwrite="no"), "overwrite: found 'no'"),
         (lambda: result.save(None), "folder: found None"),
     ):

@@ -29,11 +29,15 @@ HELD = "held at zero: the log alone would give it an impossible sign"
 
 
 @example([-0.5, 0.0, -0.2, *[0.1] * 6])
+@example([0.5, -0.1, 0.2, *[0.1] * 6])
+@example([0.5, -0.1, 0.2, -0.3, *[0.1] * 5])
 @given(st.lists(st.floats(-1.0, 1.0), min_size=9, max_size=9))
 def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
     beta = np.array(beta)
     why = inconsistency(beta)
-    assert (why == "") == bool(is_positive_definite(beta))
+    opposed = beta[1] * beta[3] * beta[4] < 0.0
+    assert (why == "") == bool(is_positive_definite(beta) and not opposed)
+    assert ("I2 g1 g2 = " in why) == opposed
     for k, name in enumerate(NAMES):
         assert (f"{name} = {beta[k]:.3g} is negative" in why) == bool(k >= 5 and beta[k] < 0.0)
     assert ("inertia matrix is not positive definite" in why) == (not is_positive_definite([*beta[:3], *np.ones(6)]))

@@ -24,7 +24,7 @@ from repro.identification.regression import (
     solve_normal,
     without_known,
 )
-from repro.model.parameters import NAMES, Array, is_positive_definite
+from repro.model.parameters import NAMES, SIGNED, Array, has_possible_signs, is_positive_definite
 
 WEIGHTED_ITERATIONS = 5
 #: Error, in standard deviations, beyond which Huber's loss is linear: 95 % efficient for normal errors.
@@ -41,9 +41,7 @@ MIN_FRICTION_RATIO = 1e-6  # friction torque over the largest torque of a parame
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)  # lower bounds: friction is zero or more, the rest is free
 UPPER_BOUNDS = np.full(9, np.inf)
-#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2, and g1 is positive without a heavy counterweight. A zero
-#: half a turn away changes two of these signs, so that their product is never negative.
-SIGNED = (NAMES.index("I2"), NAMES.index("g1"), NAMES.index("g2"))
+#: Signs of I2, g1 and g2 whose product is positive.
 SIGNS = ((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0))
 
 
@@ -177,7 +175,7 @@ def _at_bounds(z: Array, ratio: float, low: Array, high: Array) -> Array:
 def solve_consistent(r: Array, c: Array, scale: Array, known: Array) -> tuple[Array, bool]:
     """Compute the consistent parameters (9,) with the smallest error, and whether a condition is binding."""
     beta, binding = _solve_definite(r, c, scale, known, LOWER_BOUNDS, UPPER_BOUNDS)
-    if np.prod(beta[[*SIGNED]]) >= 0.0:
+    if has_possible_signs(beta):
         return beta, binding
     # The error within the bounds alone is the least that a set of signs can have, so the rest need not be solved.
     bounds = [(lsq_linear(r, c, bounds=each, method="bvls").cost, *each) for each in _bounds_of_signs(known)]

@@ -75,6 +75,16 @@ def is_positive_definite(beta: Array) -> NDArray[np.bool_]:
     return np.asarray(definite & (beta[..., 5:] >= 0.0).all(-1))
 
 
+#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2, and g1 is positive unless a counterweight outweighs the rest
+#: of link 1. A zero half a turn away changes two of these signs, so that their product is never negative.
+SIGNED = (NAMES.index("I2"), NAMES.index("g1"), NAMES.index("g2"))
+
+
+def has_possible_signs(beta: Array) -> NDArray[np.bool_]:
+    """Check (...,) whether I2 g1 g2 >= 0."""
+    return np.asarray(check_beta(beta)[..., SIGNED].prod(-1) >= 0.0)
+
+
 #: Interpretations of "physically possible" (line 22 of Algorithm 1).
 FEASIBILITY: dict[str, Callable[[Array], NDArray[np.bool_]]] = {
     "positive": is_positive,

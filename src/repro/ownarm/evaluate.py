@@ -21,7 +21,7 @@ from repro.logs.armfile import Arm
 from repro.logs.log import period, segments, uniform
 from repro.logs.torque_limits import quantisation_step
 from repro.model.dynamics import regressor
-from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array, is_positive_definite
+from repro.model.parameters import DESCRIPTIONS, NAMES, UNITS, Array
 from repro.ownarm.prepare import LoadedLog, Options, PreparedLog, prepare_logs
 from repro.ownarm.prior import NOT_NEGATIVE
 from repro.ownarm.problem import SCALE_OF_JOINT_1, IdentificationProblem, join_logs, single_problem
@@ -137,13 +137,14 @@ def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Posit
     name = " + ".join(log.loaded.name for log in problem.logs)
     pairs = zip(problem.validation, positions[n:], strict=True)
     validation = tuple(score(loaded.name, unseen, beta, position) for (loaded, unseen), position in pairs)
+    reason = inconsistency(beta)
     return MethodResult(
         method=fitted.method.name,
         title=fitted.method.title,
         parameters=_parameters(fitted, problem),
         claims_intervals=fitted.spread is not None,
-        consistent=bool(is_positive_definite(beta)),
-        why_not_consistent=inconsistency(beta),
+        consistent=not reason,
+        why_not_consistent=reason,
         fit=score(name, r, beta, positions[0] if n == 1 else None),
         validation=validation,
         halves=fitted.halves,

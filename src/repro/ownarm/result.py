@@ -46,7 +46,7 @@ class MethodResult:
     title: str
     parameters: tuple[Parameter, ...]  # the nine
     claims_intervals: bool
-    consistent: bool  # whether the inertia matrix is positive definite and no friction is negative
+    consistent: bool  # whether a real arm can have the parameters
     why_not_consistent: str  # the conditions that fail; empty if none does
     fit: Score  # on the log itself, the samples it was fitted to
     validation: tuple[Score, ...]  # on the logs given with ``--validate``

@@ -11,7 +11,7 @@ from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, UNMODELLED_EFFE
 from repro.identification.filtering import MIN_ERROR_REDUCTION
 from repro.logs.armfile import Arm
 from repro.logs.conventions import READS_BETTER
-from repro.model.parameters import NAMES, Array
+from repro.model.parameters import NAMES, SIGNED, Array, has_possible_signs
 from repro.ownarm.prepare import PreparedLog
 from repro.ownarm.result import Result, Score, SelfTest
 
@@ -74,13 +74,16 @@ def _round_up(share: float) -> str:
 
 
 def inconsistency(beta: Array) -> str:
-    """Name the conditions of `repro.model.parameters.is_positive_definite` that fail, with numbers."""
+    """Name the conditions of physical consistency that fail, with numbers: of an inertia, friction and signs."""
     i1, i2, i3 = beta[:3]
     found, least = i3 * (i1 - i3), 0.25 * i2**2
     failing = [f"{NAMES[k]} = {beta[k]:.3g} is negative" for k in range(5, 9) if beta[k] < 0]
     if i3 <= 0.0 or found <= least:
         numbers = f"I3 (I1 - I3) = {found:.3g} is not above I2^2 / 4 = {least:.3g}"
         failing.insert(0, f"the inertia matrix is not positive definite: {numbers}")
+    if not has_possible_signs(beta):
+        product = f"I2 g1 g2 = {beta[[*SIGNED]].prod():.3g} is negative"
+        failing.append(f"{product}, as of an arm whose counterweight outweighs the rest of link 1")
     return "; ".join(failing)
 
 
