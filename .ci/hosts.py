@@ -50,23 +50,19 @@ HOSTS = (
     Host("NumPy without AVX2", {"NPY_DISABLE_CPU_FEATURES": f"X86_V3 {NO_AVX512}"}, needs="avx2", tests=BATCHES),
 )
 
-PROBES = """
-import json, os
+#: All that is done on a host, in one process: to load its libraries takes an emulated processor longer than most tests.
+VISIT = """
+import json, os, sys, tempfile
+from pathlib import Path
 from repro import contract
 contract.hold(os.environ)
-from pathlib import Path
+import pytest
+from repro.cli import main
+from repro.config import load_config
 from repro.fingerprint import differing, fingerprint
+from repro.pipeline.experiment import acquire, read_recording
 recorded = json.loads(Path("docs/reference/provenance.json").read_text())["fingerprint"]
 print(len(differing(recorded, fingerprint())))
-"""
-RECORDINGS = """
-import os, tempfile
-from repro import contract
-contract.hold(os.environ)
-from pathlib import Path
-from repro.pipeline.experiment import acquire
-from repro.config import load_config
-from repro.pipeline.experiment import read_recording
 config = load_config(Path("config/config.yaml"))
 simulated = {**config, "experiment": {**config["experiment"], "source": "simulated"}}
 runs = [(motion, config) for motion in ("ID", "T1", "T2", "T3", "T4")]
@@ -75,6 +71,10 @@ with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / f"{motion}.bin"
         acquire(motion, out, settings)
         read_recording(out, config)
+if main(["verify", "--results", "docs/reference"]):
+    sys.exit("verify failed")
+if pytest.main(["-q", "-p", "no:cacheprovider", "-p", "no:xdist", *sys.argv[1:]]):
+    sys.exit("tests failed")
 """
 
 
@@ -93,31 +93,18 @@ def cannot(host: Host) -> str:
     return ""
 
 
-def run(host: Host, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run python as on that host."""
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OPENBLAS", "NPY_", "GLIBC_TUNABLES"))}
-    command = [*host.program, PYTHON, *arguments]
-    return subprocess.run(
-        command, check=False, cwd=ROOT, env=environment | host.variables, capture_output=True, text=True
-    )
-
-
 def visit(host: Host) -> tuple[str, str]:
     """Do everything on one host; its line, and what a failure printed."""
     if why := cannot(host):
         return f"{host.name:22} not run: {why}", ""
     tests = [str(next((ROOT / "tests").rglob(f"test_{name}.py"))) for name in host.tests]
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OPENBLAS", "NPY_", "GLIBC_TUNABLES"))}
+    command, variables = [*host.program, PYTHON, "-c", VISIT, *tests], environment | host.variables
     began = time.monotonic()
-    probes = run(host, "-c", PROBES).stdout.strip() or "?"
-    for what, arguments in (
-        ("tests", ("-m", "pytest", "-q", "-p", "no:cacheprovider", *tests)),
-        ("recordings", ("-c", RECORDINGS)),
-        ("verify", ("-m", "repro", "verify", "--results", "docs/reference")),
-    ):
-        done = run(host, *arguments)
-        if done.returncode:
-            return f"{host.name:22} FAILED: {what}", f"{done.stdout[-6000:]}\n{done.stderr[-3000:]}"
-    seconds = time.monotonic() - began
+    done = subprocess.run(command, check=False, cwd=ROOT, env=variables, capture_output=True, text=True)
+    if done.returncode:
+        return f"{host.name:22} FAILED", f"{done.stdout[-6000:]}\n{done.stderr[-3000:]}"
+    probes, seconds = done.stdout.split()[0], time.monotonic() - began
     return f"{host.name:22} passed, {probes} probes unlike the reference's, {seconds:.0f} s", ""
 
 
