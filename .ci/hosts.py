@@ -93,15 +93,22 @@ def cannot(host: Host) -> str:
     return ""
 
 
+def run(host: Host, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run python as on that host."""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OPENBLAS", "NPY_", "GLIBC_TUNABLES"))}
+    command = [*host.program, PYTHON, *arguments]
+    return subprocess.run(
+        command, check=False, cwd=ROOT, env=environment | host.variables, capture_output=True, text=True
+    )
+
+
 def visit(host: Host) -> tuple[str, str]:
     """Do everything on one host; its line, and what a failure printed."""
     if why := cannot(host):
         return f"{host.name:22} not run: {why}", ""
     tests = [str(next((ROOT / "tests").rglob(f"test_{name}.py"))) for name in host.tests]
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("OPENBLAS", "NPY_", "GLIBC_TUNABLES"))}
-    command, variables = [*host.program, PYTHON, "-c", VISIT, *tests], environment | host.variables
     began = time.monotonic()
-    done = subprocess.run(command, check=False, cwd=ROOT, env=variables, capture_output=True, text=True)
+    done = run(host, "-c", VISIT, *tests)
     if done.returncode:
         return f"{host.name:22} FAILED", f"{done.stdout[-6000:]}\n{done.stderr[-3000:]}"
     probes, seconds = done.stdout.split()[0], time.monotonic() - began
