@@ -12,8 +12,9 @@ block says what is special about it:
 | part of the output above | text that the last block printed, among other text |
 | file: NAME | the content of this file |
 
-Python blocks of pages that ``tests/project/test_code_blocks.py`` runs are left to it.
-Usage: ``.venv/bin/python .ci/code_blocks.py [PAGE ...]``.
+Python blocks of pages that ``tests/project/test_code_blocks.py`` runs are left to it. Scripts of the tutorials are run
+too, and must make the kept pages; that of the real arm only where its logs are.
+Usage: ``.venv/bin/python .ci/code_blocks.py [PAGE or SCRIPT ...]``.
 """
 
 import os
@@ -27,6 +28,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 from printed import same_output  # noqa: E402
+from realdata import NAMES, folder, log_file  # noqa: E402
+
+from repro import contract  # noqa: E402
 
 BLOCK = re.compile(
     r"(?:^<!-- (?P<mark>[^\n]*) -->\n+)?^```(?P<lang>\w+)\n(?P<code>.*?)^```\n(?:\n^```text\n(?P<shown>.*?)^```\n)?",
@@ -38,6 +42,7 @@ TESTED = ("README.md", "docs/use-from-python.md")
 LIMIT = 300
 #: Generated or kept elsewhere.
 LEFT_OUT = ("docs/reference/",)
+TUTORIALS = sorted(ROOT.glob("docs/tutorials/*.py"))
 
 
 def pages() -> list[Path]:
@@ -48,7 +53,8 @@ def pages() -> list[Path]:
         ROOT / "config/README.md",
         *sorted(ROOT.glob("docs/**/*.md")),
     ]
-    return [page for page in found if not str(page.relative_to(ROOT)).startswith(LEFT_OUT)]
+    found = [page for page in found if not str(page.relative_to(ROOT)).startswith(LEFT_OUT)]
+    return found + [path for path in TUTORIALS if path.stem != "real-arm" or all(log_file(n).is_file() for n in NAMES)]
 
 
 def matches(printed: str, shown: str, anywhere: bool = False) -> bool:
@@ -114,12 +120,28 @@ def run_page(page: Path) -> tuple[int, list[str]]:
     return ran, wrong
 
 
+def run_script(script: Path) -> tuple[int, list[str]]:
+    """Number of cells of a tutorial that ran, and what differs from the kept page and its figures."""
+    contract.hold(os.environ)
+    from repro.report.tutorial import run_tutorial  # noqa: PLC0415  (loads NumPy)
+
+    kept = ROOT / "docs/reference/tutorials" / f"{script.stem}.md"
+    with tempfile.TemporaryDirectory() as out:
+        page = Path(out) / kept.name
+        run_tutorial(script, page, str(folder()))
+        made, names = page.read_text(encoding="utf-8"), {each.name for each in page.parent.iterdir()}
+    wrong = [] if same_output(made, kept.read_text(encoding="utf-8")) else [f"made\n{made}"]
+    if names != {each.name for each in kept.parent.glob(f"{script.stem}*")}:
+        wrong.append(f"made {sorted(names)}")
+    return made.count("```python"), wrong
+
+
 def main() -> None:
     """Run every page, or those named."""
     failed = 0
     for page in [Path(name).resolve() for name in sys.argv[1:]] or pages():
         start = time.monotonic()
-        ran, wrong = run_page(page)
+        ran, wrong = run_page(page) if page.suffix == ".md" else run_script(page)
         failed += len(wrong)
         if ran:
             print(f"{page.relative_to(ROOT)}: {ran} blocks, {time.monotonic() - start:.0f} s", flush=True)

@@ -68,6 +68,7 @@ def test_the_page_has_the_tables_of_the_model():
 def test_the_quick_run_computes_with_the_settings_of_the_full_one():
     folders = {"results": "results/quick", "figures": "paper_figures/quick"}
     assert load(QUICK) == folders | {"training": {"source": "stored"}}
+    assert load(SMOKE)["claims"] == {"enforce": False}
 
 
 def leaves(node):
@@ -199,6 +200,7 @@ BAD = {
     "arm: {parameters: [0.1, 0.1, 0.2, 1, 1, 1, 1, 1, 1]}": ("arm.parameters", "[0.1, 0.1", "positive definite"),
     "factorial: {second_arm: [0.1, 0.1, 0.2, 1, 1, 1, 1, 1, 1]}": ("factorial.second_arm", "[0.1", "positive definite"),
     "board: {pwm_hz: [1.0e-46, 1000.0]}": ("board.pwm_hz[0]", "1e-46", "at least 1"),
+    "experiment: {search_seeds: [3, 3]}": ("experiment.search_seeds", "[3, 3]", "differ"),
     "experiment: {random_bands: 1.0e-160}": ("experiment.random_bands", "1e-160", "at least 0.1"),
     "board: {kp_nm_per_rad: [1.0e+9, 1.0], full_torque_nm: [1.0e-38, 1.0]}": (
         "board.kp_nm_per_rad",

@@ -84,6 +84,8 @@ def test_what_is_within_the_limits_is_read(tmp_path):
     assert read_yaml(path, "a file") == {}
     path.write_text('"' + "x" * (LARGEST_JSON - 2) + '"')
     assert len(read_json(path)) == LARGEST_JSON - 2
+    path.write_text("-" + "9" * 18)
+    assert read_json(path) == 1 - 10**18
     path.write_text("[" * DEEPEST + "]" * DEEPEST)
     assert str(read_json(path)).count("[") == DEEPEST
 

@@ -170,6 +170,7 @@ ONE_NAN = {"fc4.weight": torch.where(torch.arange(16 * 100).view(16, 100) == 305
         (lambda path: changed(path, {}, "conv3.bias"), literal.SMALL, None, "conv3.bias"),
         (lambda path: changed(path, {"conv3.scale": torch.ones(4)}), literal.SMALL, None, "conv3.scale"),
         (lambda path: changed(path, ONE_NAN), literal.SMALL, None, "fc4.weight: found a weight that is not finite"),
+        (lambda path: changed(path, {"fc5.bias": torch.full((8,), -np.inf)}), literal.SMALL, None, "fc5.bias: found a"),
     ],
 )
 def test_weights_that_will_not_do_are_refused_in_one_line(weights, damage, settings, fact, words):

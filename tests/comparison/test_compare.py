@@ -151,10 +151,11 @@ def test_the_command_reports_the_largest_difference_and_ends_with_1_if_a_class_i
 
 def test_tables_of_one_folder_alone_are_named(tmp_path, capsys):
     a, b = (run_of(tmp_path / name, ROWS) for name in ("a", "b"))
-    for number in range(7):
+    for number in range(5):
         (b if number == 1 else a).joinpath(f"tables/table0{number}.csv").write_text("x\n1\n")
     assert main(["compare", str(a), str(b)]) == 0
-    assert "7 in one folder alone: tables/table00.csv, tables/table01.csv" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "5 in one folder alone: tables/table00.csv, tables/table01.csv" in out and "more" not in out
     (b / "validation").symlink_to("validation")
     assert main(["compare", str(a), str(b)]) == 2
     assert f"{b / 'validation'}: found a link that leads nowhere" in capsys.readouterr().err

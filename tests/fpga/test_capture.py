@@ -88,6 +88,7 @@ def test_a_capture_is_whole_or_absent(tmp_path):
         ("program.recomputed", True, "program.recomputed: found True, expected False"),
         ("program.bytes", 5, "T4.program: size: found"),
         ("trajectory.n2", 401, "trajectory.n2: found 401, expected more than n1"),
+        ("trajectory.n2", METADATA.n1, "expected more than n1"),
         ("control.kp", [1.0, -2.0], "control.kp[1]: found -2.0, expected more than 0"),
         ("control.kv_counts", [1.0, 2.0], "control.kv_counts: found [1.0, 2.0], expected"),
         ("counts.good", 399, "counts.good: found 399, expected 400"),

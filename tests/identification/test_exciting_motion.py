@@ -132,6 +132,11 @@ def test_expected_intervals_are_those_of_repeated_least_squares(motion):
         ({"speed_limit": None}, None, "speed_limit: found nothing, expected two numbers above 0"),
         ({"workspace": BOTH}, None, "link_lengths: found nothing, expected two numbers above 0, m, because"),
         ({"workspace": ((0, 1), (0, 1)), "link_lengths": (0.2, 0.2)}, None, "for the arm at rest at 0, 0 rad"),
+        (
+            {"workspace": ((0, 1), (0, 1)), "link_lengths": (0.2, 0.2), "torque_limit": (99, 99)},
+            BETA,
+            "workspace: found",
+        ),
         (WEAK, BETA, "torque_limit: found (0.5, 1.0), expected room for the arm at rest at 1.5, 0 rad"),
     ],
 )

@@ -74,7 +74,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("gravity: [\n", "found text that is not YAML"),
         (b"name: \xff\n", "found text that is not YAML"),
         ("- 1\n", "found [1], expected keys with values"),
-        ("torque_scale: [1, 1e308]\n", "torque_scale[1]: found 1e+308, expected two numbers above 0"),
+        ("torque_scale: [1, 1e+308]\n", "torque_scale[1]: found 1e+308, expected two numbers above 0"),
         ("speed_limit: [1e-300, 6]\n", "speed_limit[0]: found 1e-300, expected two numbers above 0, the largest"),
         ("position_limit: [[0, 1e-300], [0, 1]]\n", "position_limit[0]: found [0, 1e-300], expected ends"),
         ("a: " + "[" * 51 + "]" * 51, "found lists within lists"),

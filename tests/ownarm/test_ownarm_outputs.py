@@ -68,6 +68,7 @@ def test_overwriting_leaves_no_export_that_contradicts_the_result(tmp_path, link
     first, second = results if links_first else reversed(results)
     before = write_result(out, first, CURVES, ARM)
     (out / "arm.sdf").write_text("mine")
+    (out / "runs.csv").write_text("of several logs")
     names = write_result(out, second, CURVES, ARM)
     assert ("arm.urdf" in before, "no-links.txt" in names) == (links_first, links_first)
     write_result(tmp_path / "fresh", second, CURVES, ARM)

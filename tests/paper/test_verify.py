@@ -165,7 +165,7 @@ def test_a_list_that_was_edited_or_names_what_lies_outside_is_refused(project, c
     path = project / "results" / SOURCES
     lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
     edited = ["".join(lines[:k] + lines[k + 1 :]) for k in (0, 1, 3)]  # its own check sum, a folder, and a file
-    for line in ("# every file in data/../..", "# every file in /usr", f"{'0' * 64}  src/a\0b", f"{'0' * 64}  src/a"):
+    for line in ("# every file in data/../..", "# every file in /usr", f"{'0' * 64}  src/a", f"{'0' * 64}  src/a\0b"):
         text = f"{''.join(lines[1:])}{line}\n"
         seal = hashlib.sha256(text.encode()).hexdigest()
         edited.append(f"# SHA-256 of the lines below: {seal}\n{text}")
@@ -173,6 +173,7 @@ def test_a_list_that_was_edited_or_names_what_lies_outside_is_refused(project, c
         path.write_text(text, encoding="utf-8")
         code, _, err = verify(capsys)
         assert code == 2 and f"results/{SOURCES}" in err and err.count("\n") == 1
+    assert f"line {len(lines) + 1}: " in err
 
 
 def test_a_claim_that_fails_under_an_overlay_ends_a_run_only_if_enforced(project, capsys, monkeypatch):
