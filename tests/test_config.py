@@ -180,6 +180,7 @@ BAD = {
     # Snakemake's loader has accepted this before it is checked.
     "training:\n  steps: 5\n  steps: 50\n": ("line 3", "'steps' twice", "each key once"),
     "data: {guess_low: 5.0}": ("data.guess_low", "5.0", "below data.guess_high"),
+    "algorithm1: {guess_low: 5.0}": ("algorithm1.guess_low", "5.0", "below algorithm1.guess_high"),
     "data: {near_high: 0.003}": ("data.near_high", "0.003", "data.near_low (0.003) below"),
     "data: {exact_share: 0.6, near_share: 0.6}": ("data.exact_share", "0.6", "add up to 1"),
     "refinement: {passes: 0}": ("refinement.passes", "0", "at least 1"),
@@ -202,11 +203,7 @@ BAD = {
     "board: {pwm_hz: [1.0e-46, 1000.0]}": ("board.pwm_hz[0]", "1e-46", "at least 1"),
     "experiment: {search_seeds: [3, 3]}": ("experiment.search_seeds", "[3, 3]", "differ"),
     "experiment: {random_bands: 1.0e-160}": ("experiment.random_bands", "1e-160", "at least 0.1"),
-    "board: {kp_nm_per_rad: [1.0e+9, 1.0], full_torque_nm: [1.0e-38, 1.0]}": (
-        "board.kp_nm_per_rad",
-        "1000000000.0",
-        "single precision",
-    ),
+    "board: {kp_nm_per_rad: [1.0e+9, 1], full_torque_nm: [1.0e-38, 1]}": ("board.kp_nm_per_rad", "100000000", "single"),
     "networks: {third: {image: {scale: constant}}}": ("networks.third", "an unknown key", "tracked-measured"),
     "networks: {tracked: {metric: {exponent: 1.0}}}": (NETWORK + "metric", "an unknown key", "image"),
     "networks: {tracked: {image: {constant: .nan}}}": (NETWORK + "image.constant", "nan", "finite"),

@@ -61,7 +61,7 @@ def several(folder):
     """Two logs, one with a gap and a torque at its limit, one with a zero error; a prior, and friction subtracted."""
     return {
         "log": [write(folder / "b.csv", start=5.0, limit=5.0, gap=(4.0, 5.5)), write(folder / "a.csv", zero=0.06)],
-        "validate": write(folder / "v.csv", other_motion, 6.0),
+        "validate": write(folder / "v.csv", other_motion, 6.0, limit=2.0),
         "method": ["ordinary", "weighted", "robust", "bounded"],
         "friction": True,
         "prior": {"g1": {"value": 3.2, "sd": 0.2}, "k2": {"value": 0.1, "sd": 0.01}, "b1": {"value": 0.07, "sd": 0}},
