@@ -50,7 +50,7 @@ HOSTS = (
     Host("NumPy without AVX2", {"NPY_DISABLE_CPU_FEATURES": f"X86_V3 {NO_AVX512}"}, needs="avx2", tests=BATCHES),
 )
 
-#: All that is done on a host, in one process: to load its libraries takes an emulated processor longer than most tests.
+#: Probes, recordings, verification and tests in one process: a whole emulated processor loads libraries slowly.
 VISIT = """
 import json, os, sys, tempfile
 from pathlib import Path
@@ -110,7 +110,8 @@ def visit(host: Host) -> tuple[str, str]:
     began = time.monotonic()
     done = run(host, "-c", VISIT, *tests)
     if done.returncode:
-        return f"{host.name:22} FAILED", f"{done.stdout[-6000:]}\n{done.stderr[-3000:]}"
+        reason = (done.stderr.strip().splitlines() or ["no message"])[-1][:80]
+        return f"{host.name:22} FAILED: {reason}", f"{done.stdout[-6000:]}\n{done.stderr[-3000:]}"
     probes, seconds = done.stdout.split()[0], time.monotonic() - began
     return f"{host.name:22} passed, {probes} probes unlike the reference's, {seconds:.0f} s", ""
 

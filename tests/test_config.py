@@ -203,7 +203,7 @@ BAD = {
     "board: {pwm_hz: [1.0e-46, 1000.0]}": ("board.pwm_hz[0]", "1e-46", "at least 1"),
     "experiment: {search_seeds: [3, 3]}": ("experiment.search_seeds", "[3, 3]", "differ"),
     "experiment: {random_bands: 1.0e-160}": ("experiment.random_bands", "1e-160", "at least 0.1"),
-    "board: {kp_nm_per_rad: [1.0e+9, 1], full_torque_nm: [1.0e-38, 1]}": ("board.kp_nm_per_rad", "100000000", "single"),
+    "board: {kp_nm_per_rad: [1.0e+9,1], full_torque_nm: [1.0e-38,1]}": ("board.kp_nm_per_rad", "1000000000", "single"),
     "networks: {third: {image: {scale: constant}}}": ("networks.third", "an unknown key", "tracked-measured"),
     "networks: {tracked: {metric: {exponent: 1.0}}}": (NETWORK + "metric", "an unknown key", "image"),
     "networks: {tracked: {image: {constant: .nan}}}": (NETWORK + "image.constant", "nan", "finite"),

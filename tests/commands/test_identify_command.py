@@ -174,7 +174,7 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path):
         (["log.csv", "-o", "out", "--cutoff", "90"], "--cutoff: found 90 Hz"),
         (["short.csv", "-o", "out"], "short.csv"),
         (["validate_run.csv", "-o", "out"], "validate_run.csv: found No such file"),
-        (["log.csv", "-o", "out", "--validate", "copy.csv"], "samples of log.csv, expected a log of another motion"),
+        (["log.csv", "-o", "out", "--validate", "copy.csv"], "copy.csv: found the samples of log.csv, expected a log "),
         (["log.csv", "copy.csv", "-o", "out"], "copy.csv: found the samples of log.csv, expected each log once"),
         (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "Algorithm 1 for several logs"),
         (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "--cache: log.csv"),

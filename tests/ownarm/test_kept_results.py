@@ -58,7 +58,7 @@ def write(path, moved=motion, seconds=14.0, start=0.0, zero=0.0, scale=1.0, limi
 
 
 def several(folder):
-    """Two logs, one with a gap and a torque at its limit, one with a zero error; a prior, and friction subtracted."""
+    """Two logs, one with a gap and a limited torque, one with a zero error; a prior; friction; validation clipped."""
     return {
         "log": [write(folder / "b.csv", start=5.0, limit=5.0, gap=(4.0, 5.5)), write(folder / "a.csv", zero=0.06)],
         "validate": write(folder / "v.csv", other_motion, 6.0, limit=2.0),

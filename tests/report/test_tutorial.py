@@ -8,7 +8,8 @@ from repro.report.tutorial import cells, run_tutorial
 KEPT = ROOT / "docs" / "reference" / "tutorials"
 
 
-def test_a_cell_that_fails_leaves_no_page(tmp_path):
+def test_a_cell_that_fails_leaves_no_page(tmp_path, monkeypatch):
+    monkeypatch.setenv("REPRO_REALDATA", "")  # which the run sets for its process
     script = tmp_path / "bad.py"
     script.write_text("# %%\n1 / 0\n", encoding="utf-8")
     with pytest.raises(ZeroDivisionError):

@@ -75,8 +75,8 @@ def is_positive_definite(beta: Array) -> NDArray[np.bool_]:
     return np.asarray(definite & (beta[..., 5:] >= 0.0).all(-1))
 
 
-#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2, and g1 is positive unless a counterweight outweighs the rest
-#: of link 1. A zero half a turn away changes two of these signs, so that their product is never negative.
+#: I2 = 2 m2 l1 lc2 and g2 = m2 lc2 g have the sign of lc2, and g1 = (m1 lc1 + m2 l1) g is positive unless a
+#: counterweight outweighs both links about joint 1. A zero half a turn away changes two of the signs, not the product.
 SIGNED = (NAMES.index("I2"), NAMES.index("g1"), NAMES.index("g2"))
 
 

@@ -46,7 +46,7 @@ class MethodResult:
     title: str
     parameters: tuple[Parameter, ...]  # the nine
     claims_intervals: bool
-    consistent: bool  # whether a real arm can have the parameters
+    consistent: bool  # inertia matrix positive definite, no friction negative, I2 g1 g2 not negative
     why_not_consistent: str  # the conditions that fail; empty if none does
     fit: Score  # on the log itself, the samples it was fitted to
     validation: tuple[Score, ...]  # on the logs given with ``--validate``

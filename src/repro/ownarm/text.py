@@ -74,7 +74,7 @@ def _round_up(share: float) -> str:
 
 
 def inconsistency(beta: Array) -> str:
-    """Name the conditions of physical consistency that fail, with numbers: of an inertia, friction and signs."""
+    """Name the conditions of physical consistency that fail (inertia, friction, signs), with numbers."""
     i1, i2, i3 = beta[:3]
     found, least = i3 * (i1 - i3), 0.25 * i2**2
     failing = [f"{NAMES[k]} = {beta[k]:.3g} is negative" for k in range(5, 9) if beta[k] < 0]
@@ -83,7 +83,7 @@ def inconsistency(beta: Array) -> str:
         failing.insert(0, f"the inertia matrix is not positive definite: {numbers}")
     if not has_possible_signs(beta):
         product = f"I2 g1 g2 = {beta[[*SIGNED]].prod():.3g} is negative"
-        failing.append(f"{product}, as of an arm whose counterweight outweighs the rest of link 1")
+        failing.append(f"{product}, which needs a counterweight that outweighs both links about joint 1")
     return "; ".join(failing)
 
 
