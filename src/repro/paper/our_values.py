@@ -285,10 +285,11 @@ def _parameter_ratio(number: PublishedValue, results: Results, _: Mapping[str, A
     return {"": OurValue(ratio, "table09", basis, strict=True, cause=LISTED.cause)}
 
 
-def _total_ratio(_: PublishedValue, results: Results, __: Mapping[str, Any]) -> Values:
+def _total_ratio(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
     """Total of least squares over that of Algorithm 1 for joint 1 of ID."""
     least_squares, ours = (results.similarity("table10", "ID", name, 1).value for name in (LEAST_SQUARES, ALGORITHM))
-    return {"": OurValue(_ratio(least_squares, ours), "table10", Basis.ARM, strict=True, cause=LISTED.cause)}
+    ratio = _ratio(least_squares, ours)
+    return {"": OurValue(ratio, "table10", Basis.ARM, strict=True, cause=LISTED.cause, note=number.note)}
 
 
 def _validation_ratio(_: PublishedValue, results: Results, __: Mapping[str, Any]) -> Values:
