@@ -101,8 +101,8 @@ def intervals(inputs: Inputs, _: Config) -> pd.DataFrame:
 def draw_coverage(frame: pd.DataFrame) -> Figure:
     """Levels at which intervals reach the truth: their distribution minus a uniform one."""
     chosen = frame[frame["arms"] == "unmodelled"]
-    # The arms that are ranked scatter, and so do those that they are ranked among: both samples count (Kolmogorov and
-    # Smirnov, two samples). The band contains the whole curve in 95 % of the cases.
+    # Of calibrated intervals: the arms that are ranked scatter, and so do those that they are ranked among (Kolmogorov
+    # and Smirnov, two samples). The band contains the whole curve in 95 % of the cases.
     band = 135.8 * np.sqrt(1.0 / chosen["number"].max() + 1.0 / chosen["known"].max())
     drawn, panels = style.new_panels(style.COLUMN, 3.7, 3, 3, sharex=True, sharey=True)
     for axes, name in zip(panels.flat, NAMES, strict=True):
@@ -121,7 +121,7 @@ def coverage_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Calibration of the network's intervals on simulated arms with torque beyond Eq. 1: for each level, the share of
     arms whose true parameter the interval covers, minus the level. Dashed or solid lines are the range of the estimates
     from random guesses, and the interval calibrated on other arms. Zero is right, below is too narrow, above too wide.
-    The band contains the whole line of a right one in 95 % of the cases.
+    The band contains the whole solid line of right intervals in 95 % of the cases; that of a dashed one is narrower.
     """
     return read_csv(inputs["ranks"][0], RANKS)
 
