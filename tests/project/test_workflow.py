@@ -360,4 +360,4 @@ def test_emulated_hosts_run_tests_that_exist_with_their_variables():
     host = hosts["Host"]("another", {"OPENBLAS_CORETYPE": "Zen"}, program=("env", "KEPT=1"))
     printed = hosts["run"](host, "-c", "import os; print(os.environ['OPENBLAS_CORETYPE'], os.environ['KEPT'])").stdout
     assert printed.split() == ["Zen", "1"]
-    assert "FAILED" in hosts["visit"](hosts["Host"]("broken", program=("false",)))[0]
+    assert "FAILED: no message" in hosts["visit"](hosts["Host"]("broken", program=("false",)))[0]
