@@ -1,7 +1,7 @@
-"""The simulated arm: Eq. 1 and, where the caller sets them, Stribeck friction, torque ripple and a PWM dead band."""
+"""The simulated arm: Eq. 1 and, where the caller sets them, what Eq. 1 does not model."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,11 +23,14 @@ class Unmodelled:
     stribeck_velocity: float = 0.2  # velocity at which that increase fades, rad/s
     ripple: tuple[float, float] = (0.0, 0.0)  # amplitude of the torque ripple of each joint, N m
     ripple_cycles: float = 17.0  # ripple cycles in one turn of the joint
+    load_friction: tuple[float, float] = (0.0, 0.0)  # Coulomb friction for each N m of commanded torque
     dead_band: int = 0  # PWM counts that do not move the motor
 
 
 #: Coefficients of the classic method of order 4.
 _A4, _B4 = np.diag([0.5, 0.5, 1.0], -1), np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
+#: Levels of both joints.
+_OF_JOINTS = ("stribeck", "ripple", "load_friction")
 #: No such effects: Eq. 1 alone.
 NOTHING = Unmodelled()
 
@@ -37,9 +40,10 @@ class Plant:
 
     .. math::
         M \ddot q + C \dot q + g + B \dot q + K [(1 + s) \tanh \lambda \dot q - s \tanh(\dot q / v_s)]
-        + a \sin(n q + \varphi) = \tau
+        + a \sin(n q + \varphi) + \mu |\tau| \tanh \lambda \dot q = \tau
 
-    with Stribeck share s and velocity v_s, ripple a, n cycles a turn and phase phi. With s = a = 0 it is Eq. 1.
+    with Stribeck share s and velocity v_s, ripple a, n cycles a turn and phase phi, and load-dependent friction mu.
+    With s = a = mu = 0 it is Eq. 1.
 
     Dormand and Prince's method of order 8, coefficients from SciPy. Halving its substeps changes no encoder count of
     the stored identification recording, and counts of T1 and T2 by 1. Arms of one batch share their substeps.
@@ -61,23 +65,23 @@ class Plant:
             raise ValueError("beta: the inertia matrix must be positive definite in every pose and friction positive.")
         batch = len(arms)
         each = [unmodelled] * batch if isinstance(unmodelled, Unmodelled) else list(unmodelled)
-        effects = each[0]
-        if [replace(e, stribeck=effects.stribeck, ripple=effects.ripple) for e in each] != [effects] * batch:
-            raise ValueError("unmodelled: must be one for each arm, equal but for the levels of stribeck and ripple.")
-        stribeck = np.array([e.stribeck for e in each]).T  # (2, batch)
-        ripple = np.array([e.ripple for e in each]).T
+        if len(each) != batch or len({e.dead_band for e in each}) > 1:
+            raise ValueError("unmodelled: must be one for each arm, with the same dead band.")
+        stribeck, ripple, load = (np.array([getattr(e, name) for e in each]).T for name in _OF_JOINTS)  # (2, batch)
         i1, i2, i3, g1, g2, b1, b2, k1, k2 = np.ascontiguousarray(arms.T)
-        self._effects, self.state = effects, np.zeros((4, batch))
+        self._dead_band, self.state = each[0].dead_band, np.zeros((4, batch))
         # Arguments of sin and tanh and the velocities are linear in the state (q1, q2, dq1, dq2).
-        n, slow = effects.ripple_cycles, 1.0 / effects.stribeck_velocity
         self._linear = np.array(
             [
-                *([1, 0, 0, 0], [1, 1, 0, 0], [n, 0, 0, 0], [0, n, 0, 0], [0, 1, 0, 0]),
-                *([0, 0, LAMBDA, 0], [0, 0, 0, LAMBDA], [0, 0, slow, 0], [0, 0, 0, slow]),
+                *([1, 0, 0, 0], [1, 1, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 1, 0, 0]),
+                *([0, 0, LAMBDA, 0], [0, 0, 0, LAMBDA], [0, 0, 1, 0], [0, 0, 0, 1]),
                 *([0, 0, 1, 0], [0, 0, 0, 1], [0, 0, 2, 1], [0, 0, -1, 0]),
             ],
             dtype=np.float64,
         )
+        # Each arm has cycles of its ripple and a velocity of its Stribeck friction.
+        self._cycles = np.array([e.ripple_cycles for e in each])
+        self._fading = np.array([1.0 / e.stribeck_velocity for e in each])
         self._phase = np.zeros((5, batch))
         self._phase[2:4] = np.broadcast_to(np.asarray(ripple_phase, dtype=np.float64), (batch, 2)).T
         # Weights of those features in gravity, ripple, Coulomb and viscous friction, subtracted from the torque.
@@ -87,7 +91,8 @@ class Plant:
         for j, (b, k) in enumerate(((b1, k1), (b2, k2))):
             weight[j, 5 + j], weight[j, 7 + j], weight[j, 9 + j] = k * (1 + stribeck[j]), -k * stribeck[j], b
         # Both rows of Eq. 1 are divided by I3.
-        self._weight, self._per_i3 = -weight / i3, 1.0 / i3
+        self._weight, self._per_i3, self._load = -weight / i3, 1.0 / i3, load
+        self._tanh_weight = self._weight[(0, 1), (5, 6)].copy()  # (2, batch), without the friction of the load
         self._coupling, self._determinant = 0.5 * i2 / i3, i1 / i3 - 1.0
         self._quick = quick
         a, b = (_A4, _B4) if quick else (DOP853.A, DOP853.B)
@@ -95,6 +100,7 @@ class Plant:
         # Work space with its views, made once: a recording takes some 100,000 derivatives.
         f, r = np.empty((13, batch)), np.empty((2, batch))
         self._features = (f, f[:5], f[5:9], f[:11], f[4], f[11:8:-2], f[10:13:2])
+        self._of_arm = (f[2:4], f[7:9])
         self._torque = (r, r[0], r[1])
         self._stages = np.empty((len(b) + 1, 4, batch))  # the state, then the slope of each stage
         flat = self._stages.reshape(len(b) + 1, -1)
@@ -108,6 +114,9 @@ class Plant:
         f, sines, tanhs, weighed, sin_q2, left, right = self._features
         r, r1, r2 = self._torque
         self._product(self._linear, x, f)
+        turned, faded = self._of_arm
+        turned *= self._cycles
+        faded *= self._fading
         sines += self._phase
         np.sin(sines, out=sines)
         np.tanh(tanhs, out=tanhs)
@@ -129,9 +138,11 @@ class Plant:
 
     def advance(self, pwm: NDArray[np.int32], torque_per_count: Array) -> None:
         """Advance the state by one sampling period at the given PWM counts (2, B)."""
-        if band := self._effects.dead_band:
+        if band := self._dead_band:
             pwm = np.sign(pwm) * np.maximum(np.abs(pwm) - band, 0)
         tau = pwm * torque_per_count[:, np.newaxis] * self._per_i3
+        # The torque is constant over the period, and so is the friction that it causes.
+        self._weight[(0, 1), (5, 6)] = self._tanh_weight - self._load * np.abs(tau)
         steps = SLOW_STEPS if self._quick or np.abs(self.state[2:]).min() < SLOW else STEPS
         *inner, last = self._tableau[steps]
         stages, known, point = self._stages, self._known, self._point

@@ -46,7 +46,8 @@ class FreeChoices:
 
 def appendix_numbers(published: Published | None = None) -> dict[str, PublishedValue]:
     """Six numbers that Appendix A prints."""
-    return {name: (published or load_published())[f"appendix/{name}"] for name in APPENDIX_NUMBERS}
+    numbers = published or load_published()
+    return {name: numbers[f"appendix/{name}"] for name in APPENDIX_NUMBERS}
 
 
 def reproduced(beta: Array, published: Published | None = None) -> dict[str, bool]:
@@ -58,7 +59,7 @@ def reproduced(beta: Array, published: Published | None = None) -> dict[str, boo
 def appendix_arm(choices: FreeChoices | None = None, published: Published | None = None) -> Array:
     """Parameter set that gives the six printed numbers of Appendix A."""
     c = choices or FreeChoices()
-    s = LyapunovSettings()
+    published, s = published or load_published(), LyapunovSettings()
     p = {name: number.value for name, number in appendix_numbers(published).items()}
 
     # R1 = [[x, .], [., y]]: its trace is the sum of its two eigenvalues, x y is the dissipation.

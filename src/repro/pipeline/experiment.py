@@ -27,6 +27,7 @@ from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.dct import SignalSettings
 from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
+from repro.signals.validation_motions import Circle, Profile, RandomMotion, Sinusoid
 from repro.streams import Stream, stream
 
 
@@ -53,13 +54,14 @@ def identification_settings(config: Config) -> TrajectorySettings:
 def program_settings(config: Config) -> TrajectorySettings:
     """Lengths and filters of the motions, from sections ``signals``, ``arm`` and ``experiment``."""
     e = config["experiment"]
+    samples = e["validation_samples"]
     return replace(
         identification_settings(config),
         geometry=ArmGeometry(*config["arm"]["link_lengths_m"]),
-        validation_samples=e["validation_samples"],
-        t1_bands=e["random_bands"],
-        t1_limit=e["random_range_rad"],
-        t1_range_of=e["random_range_of"],
+        t1=RandomMotion(samples, e["random_bands"], e["random_range_rad"], e["random_range_of"]),
+        t2=Circle(samples),
+        t3=Profile(samples),
+        t4=Sinusoid(samples),
     )
 
 

@@ -14,11 +14,20 @@ from repro.errors import InputError
 from repro.model.dynamics import ArmGeometry, inverse_dynamics
 from repro.model.parameters import Array
 from repro.signals.trajectories import Motion, identification_trajectory, quintic
-from repro.signals.validation_motions import RangeOf, circle_motion, profile_motion, random_motion, sinusoidal_motion
+from repro.signals.validation_motions import (
+    Circle,
+    Profile,
+    RandomMotion,
+    Sinusoid,
+    circle_motion,
+    profile_motion,
+    random_motion,
+    sinusoidal_motion,
+)
 
 #: Torque of each joint, N m, and joint speed, rad/s, that a motion may need at most.
 Limits = tuple[tuple[float, float], float]
-MEMORY_SAMPLES = 8192  # samples that the board's memory holds, which T1-T4 fill: 20.48 s at 2.5 ms
+MEMORY_SAMPLES = 8192  # samples that the board's memory holds: 20.48 s at 2.5 ms
 
 
 @dataclass(frozen=True)
@@ -49,11 +58,10 @@ class TrajectorySettings:
     h: float = 2.5e-3  # sampling period, s
     margin: int = 40  # samples of Eq. 10 before and after the trajectory proper, which take the filter's edges
     lead_in: float = 0.75  # time to bring the hanging arm onto Eq. 10, s
-    validation_samples: int = MEMORY_SAMPLES  # length of T1-T4
-    # DCT-II band at which the filter of T1 has a gain of 1/e: least squares scores what the paper prints, to 1 point
-    t1_bands: float = 12.0
-    t1_limit: float = 1.2  # range of T1, -t1_limit to t1_limit, rad
-    t1_range_of: RangeOf = "motion"  # what has that range, see `random_motion`
+    t1: RandomMotion = field(default_factory=RandomMotion)
+    t2: Circle = field(default_factory=Circle)
+    t3: Profile = field(default_factory=Profile)
+    t4: Sinusoid = field(default_factory=Sinusoid)
 
 
 def identification_reference(settings: TrajectorySettings) -> ReferenceTrajectory:
@@ -76,12 +84,10 @@ class ValidationMotion(NamedTuple):
 
 #: Motions that only validate, in the order of tables and figures.
 VALIDATION: dict[str, ValidationMotion] = {
-    "T1": ValidationMotion(
-        lambda s, rng: random_motion(rng, s.t1_bands, s.t1_limit, s.t1_range_of, s.validation_samples, s.h), random=True
-    ),
-    "T2": ValidationMotion(lambda s, _: circle_motion(s.geometry, s.validation_samples, s.h)),
-    "T3": ValidationMotion(lambda s, _: profile_motion(s.validation_samples, s.h)),
-    "T4": ValidationMotion(lambda s, _: sinusoidal_motion(s.validation_samples, s.h)),
+    "T1": ValidationMotion(lambda s, rng: random_motion(rng, s.t1, s.h), random=True),
+    "T2": ValidationMotion(lambda s, _: circle_motion(s.t2, s.geometry, s.h)),
+    "T3": ValidationMotion(lambda s, _: profile_motion(s.t3, s.h)),
+    "T4": ValidationMotion(lambda s, _: sinusoidal_motion(s.t4, s.h)),
 }
 PROGRAMS = ("ID", *VALIDATION)  # the motion that parameters are identified from, then those
 SPAN = f"{PROGRAMS[1]} to {PROGRAMS[-1]}"  # the validation motions in words

@@ -1,9 +1,10 @@
 """The desired motions T1-T4 that validate an identified arm (Section VI, Fig. 21-22).
 
 The paper names them: a filtered random vector, a circle, a motion profile and a sinusoid, T1, T2 and T4 multiplied by a
-window. Bandwidth, centre and period of the circle, levels of the profile and frequencies are chosen here.
+window. It prints the range of T1's numbers and the radius of the circle. What it does not print has a setting.
 """
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -16,20 +17,53 @@ from repro.signals.trajectories import Motion, quintic, sample_times, sampled_mo
 #: What has the range of T1 that Section VI gives: each joint's filtered motion, or the numbers before the filter.
 RangeOf = Literal["motion", "numbers"]
 
-# T2: turns, distance of the centre below joint 1 over the reach, and radius over the reach (3.15 cm of 31.5 cm). Joint
-# 2 bends by 50 to 90 degrees, far from straight and from folded, and gravity is not at its largest.
-CIRCLE_TURNS, CIRCLE_CENTRE, CIRCLE_RADIUS = 5, 0.8, 0.1
+CIRCLE_RADIUS = 0.1  # of T2 over the reach: 3.15 cm of 31.5 cm
 
-# T3: levels that the moves end at (rad), over the range of T1 and Eq. 10: both joints, each alone, both again.
-# A move takes 12 % and a hold 5 % of the time, 2.46 s and 1.02 s; the remaining time is rest at either end.
+# T3: levels that the moves end at (rad) before their factor: both joints, each alone, both again. A move takes 12 % and
+# a hold 5 % of the time; the remaining time is rest at either end.
 PROFILE_LEVELS = np.array([[1.2, 1.2, -0.6, -1.2, 0.6, 0.0], [-0.8, 1.2, 1.2, -0.4, -1.2, 0.0]])
 PROFILE_MOVE, PROFILE_HOLD = 0.12, 0.05
 
-# T4: one sinusoid a joint. 0.4 and 0.25 Hz have no short common period, so the joints meet in many phases.
-SINE_AMPLITUDE = np.array([[1.0], [1.0]])  # rad
-SINE_FREQUENCY = np.array([[0.25], [0.4]])  # Hz
-
 WINDOW_COEFFICIENT = 0.2  # coefficient of the window f_g at the start and at the end (Section VI), 1/s^2
+
+
+@dataclass(frozen=True)
+class RandomMotion:
+    """T1: uniform random numbers, filtered by Eq. 14."""
+
+    samples: int = 8192
+    # DCT-II band at which the filter has a gain of 1/e: least squares scores what the paper prints, to 1 point
+    bands: float = 12.0
+    limit: float = 1.2  # range, -limit to limit, rad
+    range_of: RangeOf = "motion"  # what has that range
+
+
+@dataclass(frozen=True)
+class Circle:
+    """T2: a circle of the tip about a point straight below joint 1."""
+
+    samples: int = 8192
+    turns: float = 5.0
+    # Distance of the centre from joint 1 over the reach. Joint 2 bends by 50 to 90 degrees, far from straight and from
+    # folded, and gravity is not at its largest.
+    centre: float = 0.8
+
+
+@dataclass(frozen=True)
+class Profile:
+    """T3: moves from rest to rest."""
+
+    samples: int = 8192
+    levels: float = 1.0  # factor of `PROFILE_LEVELS`
+
+
+@dataclass(frozen=True)
+class Sinusoid:
+    """T4: one sinusoid for each joint."""
+
+    samples: int = 8192
+    amplitude: tuple[float, float] = (1.0, 1.0)  # rad
+    frequency: tuple[float, float] = (0.25, 0.4)  # Hz; without a short common period the joints meet in many phases
 
 
 def start_and_end_window(time: Array) -> Array:
@@ -38,30 +72,28 @@ def start_and_end_window(time: Array) -> Array:
     return np.asarray(1.0 - np.exp(-a * time**2) - np.exp(-a * (time.max() - time) ** 2))
 
 
-def random_motion(
-    rng: np.random.Generator, bands: float, limit: float, range_of: RangeOf, samples: int, h: float
-) -> Motion:
-    """Compute T1: random numbers in -limit to limit, rad, filtered by Eq. 14 (gain 1/e at band `bands`), windowed."""
-    q = dct2low(rng.uniform(-limit, limit, (2, samples)), h, bands**-2.0, "index")
-    if range_of == "motion":
-        q = limit * q / np.abs(q).max(axis=1, keepdims=True)
-    return sampled_motion(q * start_and_end_window(sample_times(samples * h, h)), h)
+def random_motion(rng: np.random.Generator, t1: RandomMotion, h: float) -> Motion:
+    """Compute T1, windowed."""
+    q = dct2low(rng.uniform(-t1.limit, t1.limit, (2, t1.samples)), h, t1.bands**-2.0, "index")
+    if t1.range_of == "motion":
+        q = t1.limit * q / np.abs(q).max(axis=1, keepdims=True)
+    return sampled_motion(q * start_and_end_window(sample_times(t1.samples * h, h)), h)
 
 
-def circle_motion(geometry: ArmGeometry, samples: int, h: float) -> Motion:
-    """Compute T2: a circle of the tip, windowed in joint space, so that the arm swings out of rest onto it and back."""
-    time = sample_times(samples * h, h)
-    angle = 2.0 * np.pi * CIRCLE_TURNS * time / (samples * h)
+def circle_motion(t2: Circle, geometry: ArmGeometry, h: float) -> Motion:
+    """Compute T2, windowed in joint space, so that the arm swings out of rest onto the circle and back."""
+    time = sample_times(t2.samples * h, h)
+    angle = 2.0 * np.pi * t2.turns * time / (t2.samples * h)
     circle = CIRCLE_RADIUS * np.stack([np.sin(angle), -np.cos(angle)])
-    tip = geometry.reach * (circle + np.array([[0.0], [-CIRCLE_CENTRE]]))
+    tip = geometry.reach * (circle + np.array([[0.0], [-t2.centre]]))
     return sampled_motion(inverse_kinematics(tip, geometry) * start_and_end_window(time), h)
 
 
-def profile_motion(samples: int, h: float) -> Motion:
+def profile_motion(t3: Profile, h: float) -> Motion:
     """Compute T3: quintic moves from rest to rest, with a hold after each; at rest at q = 0 at both ends."""
-    time, total, moves = sample_times(samples * h, h), samples * h, PROFILE_LEVELS.shape[1]
+    time, total, moves = sample_times(t3.samples * h, h), t3.samples * h, PROFILE_LEVELS.shape[1]
     rest = 0.5 * (1.0 - moves * PROFILE_MOVE - (moves - 1) * PROFILE_HOLD)
-    levels = np.concatenate([np.zeros((2, 1)), PROFILE_LEVELS], axis=1)
+    levels = t3.levels * np.concatenate([np.zeros((2, 1)), PROFILE_LEVELS], axis=1)
     q, still, duration = np.zeros((2, time.size)), np.zeros((2, 2)), PROFILE_MOVE * total
     for k in range(moves):
         since = time - (rest + k * (PROFILE_MOVE + PROFILE_HOLD)) * total
@@ -72,8 +104,8 @@ def profile_motion(samples: int, h: float) -> Motion:
     return sampled_motion(q, h)
 
 
-def sinusoidal_motion(samples: int, h: float) -> Motion:
-    """Compute T4: a sinusoid for each joint, windowed."""
-    time = sample_times(samples * h, h)
-    q = SINE_AMPLITUDE * np.sin(2.0 * np.pi * SINE_FREQUENCY * time)
+def sinusoidal_motion(t4: Sinusoid, h: float) -> Motion:
+    """Compute T4, windowed."""
+    time = sample_times(t4.samples * h, h)
+    q = np.array(t4.amplitude)[:, None] * np.sin(2.0 * np.pi * np.array(t4.frequency)[:, None] * time)
     return sampled_motion(q * start_and_end_window(time), h)

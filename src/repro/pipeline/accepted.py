@@ -1,0 +1,95 @@
+"""Accepted experiments: arms, unmodelled effects and motions that the printed numbers do not rule out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from repro.files import read_csv
+from repro.fpga.plant import Unmodelled
+from repro.model.dynamics import ArmGeometry
+from repro.model.parameters import NAMES, Array
+from repro.pipeline.experiment import identification_settings
+from repro.pipeline.job import Config
+from repro.settings import signal_settings
+from repro.signals.dct import SignalSettings
+from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, reference_trajectory
+from repro.signals.validation_motions import Circle, Profile, RandomMotion, Sinusoid
+from repro.streams import Stream, stream
+
+#: What makes an experiment besides the parameters of its arm.
+SETTINGS = (
+    *("unit", "duration_s", "l1", "viscous1", "viscous2", "stribeck1", "stribeck2", "stribeck_velocity"),
+    *("ripple1", "ripple2", "ripple_cycles", "ripple_phase1", "ripple_phase2", "load_friction1", "load_friction2"),
+    *("seed", "t1_samples", "t1_bands", "t2_samples", "t2_turns", "t2_centre", "t3_samples", "t3_levels"),
+    *("t4_samples", "t4_amplitude1", "t4_amplitude2", "t4_frequency1", "t4_frequency2"),
+)
+REACH = 0.315  # l1 + l2, m: 2.52 m/s at 8 rad/s (Section III)
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """One arm with its unmodelled effects and its five motions."""
+
+    true: Array  # parameters (9,) that the PWM torque obeys
+    effects: Unmodelled
+    phase: Array  # of the ripple (2,), rad
+    signals: SignalSettings  # with the unit of omega
+    trajectories: TrajectorySettings
+    seed: int  # of T1
+
+    @cached_property
+    def programs(self) -> dict[str, ReferenceTrajectory]:
+        """Motions as the board plays them."""
+        return {name: self.program(name) for name in PROGRAMS}
+
+    def program(self, name: str) -> ReferenceTrajectory:
+        """One motion; of T1 the first that its seed draws."""
+        return reference_trajectory(name, self.trajectories, stream(self.seed, Stream.RANDOM_MOTION))
+
+
+def experiment_of(values: Mapping[str, Any], config: Config) -> Experiment:
+    """Experiment with the columns of a row of ``data/experiments.csv``; the board is the configuration's."""
+
+    def pair(name: str) -> tuple[float, float]:
+        return float(values[f"{name}1"]), float(values[f"{name}2"])
+
+    def samples(name: str) -> int:
+        return int(values[f"{name}_samples"])
+
+    l1 = float(values["l1"])
+    further = np.zeros(len(NAMES))
+    further[5:7] = pair("viscous")
+    effects = Unmodelled(
+        stribeck=pair("stribeck"),
+        stribeck_velocity=float(values["stribeck_velocity"]),
+        ripple=pair("ripple"),
+        ripple_cycles=float(values["ripple_cycles"]),
+        load_friction=pair("load_friction"),
+    )
+    trajectories = replace(
+        identification_settings(config),
+        geometry=ArmGeometry(l1, REACH - l1),
+        duration=float(values["duration_s"]),
+        t1=RandomMotion(samples("t1"), float(values["t1_bands"]), range_of="numbers"),
+        t2=Circle(samples("t2"), float(values["t2_turns"]), float(values["t2_centre"])),
+        t3=Profile(samples("t3"), float(values["t3_levels"])),
+        t4=Sinusoid(samples("t4"), pair("t4_amplitude"), pair("t4_frequency")),
+    )
+    return Experiment(
+        np.array([float(values[name]) for name in NAMES]) + further,
+        effects,
+        np.array(pair("ripple_phase")),
+        replace(signal_settings(config), omega_unit=values["unit"]),
+        trajectories,
+        int(values["seed"]),
+    )
+
+
+def read_experiments(path: Path) -> pd.DataFrame:
+    """Read the accepted experiments, the one with the smallest misfit first."""
+    return read_csv(path, ("experiment", *NAMES, *SETTINGS))
