@@ -17,6 +17,8 @@ from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
 from repro.cnn.network import PIECE, FactoredCNN, load_network, save_network, sigmoid_loss
+from repro.cnn.reader import PIECE as READ_AT_A_TIME
+from repro.cnn.reader import Reader
 from repro.cnn.train import Progress, load_checkpoint, save_checkpoint
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
@@ -98,6 +100,20 @@ def test_images_of_one_torque_and_a_first_layer_that_learns_no_more_give_the_sam
     for found, expected in ((factored(u, v), learning), (factored(u, v[:1]), alone)):
         assert found.shape == (n, 9)
         assert (found - expected).abs().max() <= tolerance * expected.abs().max()
+
+
+@pytest.mark.parametrize("sizes", [PUBLISHED, literal.SMALL, OTHER])
+@pytest.mark.parametrize(("precision", "tolerance"), [("bfloat16", 0.03), ("float32", 1e-5), ("float64", 1e-12)])
+def test_reader_of_one_torque_is_the_plain_network(sizes, precision, tolerance):
+    """In pieces that are full or not, and again after others, though all use the same buffers."""
+    plain, factored = pair(sizes, precision)
+    u, v = factors(1, 2 * READ_AT_A_TIME + 3, sizes.image_size, torch.promote_types(factored.dtype, torch.float32))
+    images = assemble(u.numpy(), v[:1].expand_as(u).numpy())
+    expected, read = plain(torch.from_numpy(images)).detach(), Reader(factored, v[0])
+    for some in (slice(None), slice(3), slice(1, None), slice(0)):
+        found = read(u[some])
+        assert (found.shape, found.dtype) == (expected[some].shape, expected.dtype)
+        assert ((found - expected[some]).abs() <= tolerance * expected.abs().max()).all()
 
 
 @pytest.mark.parametrize("tied", ["conv1", "conv2"])

@@ -42,24 +42,41 @@ def _unit_range(x: Floats, axes: tuple[int, ...]) -> Floats:
     return np.asarray((x - low) / np.where(span > 0, span, 1))
 
 
+def _axes(settings: ImageSettings) -> tuple[int, ...]:
+    """Axes of signals (..., 2, S) that a maximum of Eq. 9 goes over."""
+    return (-1,) if settings.scale == "channel-max" else (-2, -1)
+
+
+def torque_factors(alpha: Floats, settings: ImageSettings) -> Floats:
+    """Compute the factors v (..., channel, rank, S), which no guess changes, from the torque alpha (..., 2, S)."""
+    offset = np.asarray(LOG_OFFSET, alpha.dtype)
+    return np.stack([alpha, np.log(_unit_range(alpha, _axes(settings)) + offset)], -2)
+
+
+def guess_factors(psi: Floats, v: Floats, settings: ImageSettings) -> Floats:
+    """Compute the factors u (..., channel, rank, S) from psi (..., 2, S) and the factors v of the torque."""
+    axes = _axes(settings)
+    psi2 = np.log10(_unit_range(psi, axes) + np.asarray(LOG_OFFSET, psi.dtype))
+    u = np.stack([psi, psi2], -2)
+    # max |a b^T| over a channel is the product of the factors' largest magnitudes.
+    product = np.maximum(u.max(-1), -u.min(-1)) * np.abs(v).max(-1)  # (..., channel, rank)
+    if settings.scale != "channel-max":
+        product = product.max(-2, keepdims=True)
+    divisor = np.where(product > 0, product, 1)
+    if settings.scale == "constant":
+        divisor[..., 0] = settings.constant
+    u /= divisor[..., None]
+    return u
+
+
 def image_factors(alpha: Floats, psi: Floats, settings: ImageSettings) -> tuple[Floats, Floats]:
     """Compute the factors u and v (..., channel, rank, S) of the image of Eq. 9, in the dtype of the signals.
 
     alpha (..., 2, S) is the normalised torque tau_r of Eq. 8, psi (..., 2, S) is 2 tau_r - f(q_r, dq_r, ddq_r, beta_n).
     """
-    axes = (-1,) if settings.scale == "channel-max" else (-2, -1)
-    alpha2 = np.log(_unit_range(alpha, axes) + np.asarray(LOG_OFFSET, alpha.dtype))
-    psi2 = np.log10(_unit_range(psi, axes) + np.asarray(LOG_OFFSET, psi.dtype))
-
-    def largest(a: Floats, b: Floats) -> Floats:
-        # max |a b^T| over a channel is the product of the factors' largest magnitudes.
-        product = (np.abs(a).max(-1, keepdims=True) * np.abs(b).max(-1, keepdims=True)).max(axes, keepdims=True)
-        return np.where(product > 0, product, 1)
-
-    u1 = psi / np.asarray(settings.constant, psi.dtype) if settings.scale == "constant" else psi / largest(psi, alpha)
-    u2 = psi2 / largest(psi2, alpha2)
-    v = np.stack([alpha, alpha2], -2)
-    return np.stack([u1, u2], -2), np.broadcast_to(v, (*u1.shape[:-1], 2, v.shape[-1]))
+    v = torque_factors(alpha, settings)
+    u = guess_factors(psi, v, settings)
+    return u, np.broadcast_to(v, u.shape)
 
 
 def assemble(u: Floats, v: Floats) -> Floats:

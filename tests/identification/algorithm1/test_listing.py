@@ -152,6 +152,23 @@ def test_batched_search_is_the_listing(monkeypatch, seed, normalise, scale, gain
     assert chosen.similarity == pytest.approx(similarity, abs=1e-4)
 
 
+@pytest.mark.parametrize(("kept", "batch"), [(5, 3), (40, 100), (1000, 4)])
+def test_a_search_keeps_the_most_similar_and_a_longer_one_contains_it(monkeypatch, kept, batch):
+    """Every guess is an estimate here, so that the published search would keep all 60."""
+    ready = prepared()
+
+    def run(executions):
+        settings = replace(SEARCH, executions=executions, threshold=1.0)
+        found = search(literal.Estimator(lambda guess: guess), ready, settings, np.random.default_rng(2))
+        return {tuple(beta): n for beta, n in zip(found.beta, found.similarity, strict=True)}
+
+    every, longer = run(10), run(14)
+    assert len(every) == 60 and every.keys() < longer.keys()
+    monkeypatch.setattr("repro.identification.algorithm1.search.BATCH", batch)
+    monkeypatch.setattr("repro.identification.algorithm1.search.KEPT", kept)
+    assert run(10).keys() == set(sorted(every, key=every.get)[-kept:])
+
+
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
 def test_infeasible_estimates_are_never_kept(feasibility):
     """The best fit has a negative parameter, or an inertia matrix that is not positive definite: it must lose."""

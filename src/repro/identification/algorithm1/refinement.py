@@ -118,9 +118,8 @@ class Algorithm1:
         candidates = search(estimator, signals, self.search, search_rng)
         suffix = "" if self.variant == "published" else f"+{self.variant}"
         results = {f"algorithm1{suffix}": _estimate(select(candidates.beta, signals, self.search), estimator.images)}
-        met = int((candidates.similarity >= self.search.threshold).sum())
         if not self.refinement.passes:
-            return results, met
+            return results, candidates.met
 
         def refined(feedback: ResidualEstimator | None, starts: Array, rng: np.random.Generator) -> Selected:
             """Select the most similar set of all runs; `rng` is left unchanged: refinement and control move alike."""
@@ -137,7 +136,7 @@ class Algorithm1:
         if uniform_rng is not None and not suffix:  # it would be the same with every other network
             control = refined(None, uniform_guesses(self.search, uniform_rng), uniform_rng)
             results["differential-evolution"] = _estimate(control, images=0)
-        return results, met
+        return results, candidates.met
 
 
 def _estimate(selected: Selected, images: int) -> Estimate:

@@ -1,12 +1,13 @@
 """Algorithm 1: lines 8 to 32, and the whole of it in one call; `preprocessing` has lines 1 to 12."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from repro.cnn.image import ImageSettings, image_factors
+from repro.cnn.image import ImageSettings, guess_factors, torque_factors
 from repro.identification.algorithm1.preprocessing import PreparedSignals, filtered, prepare
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import FEASIBILITY, Array
@@ -55,10 +56,11 @@ class SearchSettings:
 
 @dataclass(frozen=True)
 class Candidates:
-    """The set beta_m of line 29."""
+    """The set beta_m of line 29, or the `KEPT` most similar of it."""
 
     beta: Array  # physically possible estimates (n, 9), in units of the largest torque
     similarity: Array  # n_e of line 27, (n,)
+    met: int  # executions that met the threshold
 
 
 @dataclass(frozen=True)
@@ -69,49 +71,70 @@ class Selected:
     similarity: float  # mean total of both joints on the full-rate signals (line 30)
 
 
-BATCH = 100  # images that the network evaluates at a time
+BATCH = 100  # images that the network evaluates at a time, and executions that advance together
+#: Estimates that are kept at most, so that memory does not grow with the number of guesses. The published search makes
+#: no more guesses than that. Line 30 compares on all samples what line 27 compared on a few: the winner is not always
+#: the most similar of line 27, but not far behind.
+KEPT = 10_000
 
 
 class ResidualEstimator:
     """Lines 17 to 21 for many guesses of one torque at once: guess -> image -> CNN -> residual -> estimate."""
 
     def __init__(self, network: "FactoredCNN", image: ImageSettings, signals: PreparedSignals) -> None:
-        self._network = network
+        import torch  # noqa: PLC0415  (settings and scores need no network)
+
+        from repro.cnn.reader import Reader  # noqa: PLC0415
+
+        alpha = signals.alpha.astype(np.float32)
         self._image = image
-        self._alpha = signals.alpha.astype(np.float32)
-        self._model = signals.model.reshape(-1, 9).T
+        self._v = torque_factors(alpha, image)
+        self._reader = Reader(network, torch.from_numpy(self._v))
+        self._twice_alpha = 2 * alpha
+        self._model = signals.model.reshape(-1, 9).T.astype(np.float32)
         #: Images evaluated so far.
         self.images = 0
 
     def estimate(self, guess: Array) -> Array:
         """Compute estimates beta = r + beta_n (lines 18 to 21) from guesses, (n, 9) in units of the largest torque."""
-        parts = [self._residual(guess[k : k + BATCH]) for k in range(0, len(guess), BATCH)]
+        beta = guess.copy()
+        for k in range(0, len(guess), BATCH):
+            beta[k : k + BATCH] += self._residual(guess[k : k + BATCH])
         self.images += len(guess)
-        return guess + np.concatenate(parts) if parts else guess
+        return beta
 
-    def _residual(self, guess: Array) -> Array:
-        import torch  # noqa: PLC0415  (settings and scores need no network)
+    def _residual(self, guess: Array) -> NDArray[np.float32]:
+        import torch  # noqa: PLC0415
 
-        psi = 2 * self._alpha - (guess @ self._model).reshape(-1, *self._alpha.shape).astype(np.float32)
-        u, v = image_factors(np.broadcast_to(self._alpha, psi.shape), psi, self._image)
-        with torch.no_grad():
-            # Lines 19 and 20: the sigmoid of the output layer and its inverse cancel.
-            residual: torch.Tensor = self._network(torch.from_numpy(u), torch.from_numpy(v[:1].copy()))
-        return residual.numpy().astype(np.float64)
+        psi = self._twice_alpha - (guess.astype(np.float32) @ self._model).reshape(-1, *self._twice_alpha.shape)
+        # Lines 19 and 20: the sigmoid of the output layer and its inverse cancel.
+        return self._reader(torch.from_numpy(guess_factors(psi, self._v, self._image))).numpy()
 
 
 def search(
     estimator: ResidualEstimator, signals: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
 ) -> Candidates:
-    """Lines 8 to 29: repeat guess, image, CNN and evaluation, and return every physically possible estimate.
+    """Lines 8 to 29: repeat guess, image, CNN and evaluation, and return the physically possible estimates.
 
-    All executions advance together, each with its own random stream: the network evaluates their guesses as one batch.
+    Executions advance together, each with its own random stream: the network evaluates their guesses as one batch.
     """
-    possible = FEASIBILITY[settings.feasibility]
     score = TorqueScorer(signals.alpha, signals.y_sub, settings.metric)
-    streams = rng.spawn(settings.executions)  # line 13: for k_T = 1 to N_exe
-    running = np.arange(settings.executions)  # lines 14, 15: n_e = 0, N_it = 0
-    beta_m, similarity = [np.empty((0, 9))], [np.empty(0)]  # line 11
+    found = [Candidates(np.empty((0, 9)), np.empty(0), 0)]  # line 11
+    for done in range(0, settings.executions, BATCH):  # line 13: for k_T = 1 to N_exe
+        streams = rng.spawn(min(BATCH, settings.executions - done))  # the same as if all were spawned at once
+        for each in _execute(estimator, score, settings, streams):
+            found.append(each)
+            if sum(len(part.beta) for part in found) > 2 * KEPT:
+                found = [_most_similar(found)]
+    return _most_similar(found)
+
+
+def _execute(
+    estimator: ResidualEstimator, score: TorqueScorer, settings: SearchSettings, streams: list[np.random.Generator]
+) -> Iterator[Candidates]:
+    """Lines 14 to 29 for some executions: the possible estimates of each round of guesses."""
+    possible = FEASIBILITY[settings.feasibility]
+    running = np.arange(len(streams))  # lines 14, 15: n_e = 0, N_it = 0
     for _ in range(settings.inner_limit):  # lines 9, 10, 16: while n_e < u and N_it < L_exe
         if not running.size:
             break
@@ -120,10 +143,16 @@ def search(
         ok = possible(beta)  # line 22; what fails is beta = 0 with n_e = 0 (lines 23, 24)
         n_e = np.zeros(len(beta))
         n_e[ok] = score(beta[ok]).total.mean(-1)  # lines 26, 27
-        beta_m.append(beta[ok])  # line 29
-        similarity.append(n_e[ok])
-        running = running[n_e < settings.threshold]  # line 28 is the loop's own count
-    return Candidates(np.concatenate(beta_m), np.concatenate(similarity))
+        met = n_e >= settings.threshold
+        yield Candidates(beta[ok], n_e[ok], int(met.sum()))  # line 29
+        running = running[~met]  # line 28 is the loop's own count
+
+
+def _most_similar(parts: list[Candidates]) -> Candidates:
+    """Join candidates in their order, without the least similar beyond `KEPT`."""
+    beta, similarity = np.concatenate([x.beta for x in parts]), np.concatenate([x.similarity for x in parts])
+    best = np.sort(np.argsort(-similarity, kind="stable")[:KEPT])
+    return Candidates(beta[best], similarity[best], sum(x.met for x in parts))
 
 
 def select(beta_m: Array, signals: PreparedSignals, settings: SearchSettings) -> Selected:
