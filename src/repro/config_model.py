@@ -4,6 +4,7 @@ The JSON schema (`workflow/schemas/config.schema.yaml`) and the tables of `confi
 classes by `config/reference.py`; `repro.config` checks files against them.
 """
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, ConfigDict, Field
@@ -32,6 +33,12 @@ def _distinct(values: list[Any]) -> list[Any]:
     return values
 
 
+def _rising(values: list[int]) -> list[int]:
+    if any(later <= earlier for earlier, later in pairwise(values)):
+        raise PydanticCustomError("rising", "rising numbers")
+    return values
+
+
 # Upper limits are far beyond any use: a misplaced digit must not ask for terabytes or years.
 Positive = Annotated[float, Field(gt=0, le=1e9)]
 Level = Annotated[float, Field(ge=0, le=1e9)]
@@ -46,6 +53,7 @@ Pair = Field(min_length=2, max_length=2)
 T = TypeVar("T")
 Unique = AfterValidator(_distinct)
 Levels = Annotated[list[T], Field(min_length=1), Unique]
+Rising = Annotated[list[Count], Field(min_length=1), AfterValidator(_rising)]
 Seeds = Annotated[list[Seed], Field(min_length=1, max_length=1000), Unique]
 Joints = Annotated[list[Positive], Pair]
 JointLevels = Annotated[list[Level], Pair]
@@ -365,6 +373,25 @@ class Study(Section):
     unmodelled: Unmodelled
 
 
+class Matching(Section):
+    """Search for experiments that the printed numbers do not rule out."""
+
+    starts: Arms = key("random starts under each hypothesis", "starts")
+    seed: Seed = key("seed of the starts")
+
+
+class Accepted(Section):
+    """Algorithm 1 over the accepted experiments."""
+
+    experiments: Folder = key("file with a row for each experiment, the smallest misfit first")
+    guesses: Rising = key("budgets of guesses", "guesses", allowed="rising")
+    further_guesses: Rising = key(
+        "further budgets of Algorithm 1 as listed", "guesses", allowed="rising, above `guesses`"
+    )
+    further_experiments: Whole = key("number of experiments, from the first, that get them", "experiments")
+    seeds: Seeds = key("guesses of Algorithm 1: one search each")
+
+
 class Spread(Section):
     """The whole experiment over many simulated specimens."""
 
@@ -409,6 +436,8 @@ class Configuration(Section):
     factorial: Factorial
     coverage: Coverage
     study: Study
+    matching: Matching
+    accepted: Accepted
     spread: Spread
     ablation: Ablation
     claims: Claims

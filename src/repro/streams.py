@@ -41,6 +41,7 @@ class Stream(IntEnum):
     STUDY_VALIDATION = 32  # T1
     STUDY_LAW = 33
     MATCHING = 34
+    LONG_SEARCH = 35
 
 
 # NumPy mixes a seed in words of 32 bits: a larger number fills two and could be taken for two numbers.

@@ -41,6 +41,10 @@ SOURCES = {
         "references": f"{R}/factorial/references.csv",
     },
     "study": {"outcomes": expand(f"{R}/study/cells/{{job}}.csv", job=STUDY_JOBS)},
+    "accepted": {
+        "scores": expand(f"{R}/accepted/experiment-{{number}}.csv", number=UNITS),
+        "experiments": ACCEPTED,
+    },
     "ablation": {"table": f"{R}/tables/ablation.csv"},
 }
 

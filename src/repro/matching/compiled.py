@@ -16,7 +16,7 @@ from repro.model.dynamics import LAMBDA
 from repro.model.parameters import Array
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _slope(x, tau1, tau2, p, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Fill `out` with the derivative of (q1, q2, dq1, dq2) under the torques; `p` is made by `record`."""
     q1, q2, dq1, dq2 = x
@@ -39,7 +39,7 @@ def _slope(x, tau1, tau2, p, out):  # type: ignore[no-untyped-def]  # noqa: ANN0
     out[3] = (m11 * r2 - m12 * r1) / determinant
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _run(desired, p, kp, kv, per_count, h, position, pwm):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Run the loop along `desired` (2, N) in single precision and fill the counts (2, N)."""
     x, point, slopes = np.zeros(4), np.zeros(4), np.zeros((4, 4))

@@ -9,7 +9,7 @@ Misfit is the sum of squares of
 - peaks of speed and torque above what the board permits, in units of 2 %.
 """
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -82,8 +82,9 @@ class Motion:
 def record_motion(experiment: Experiment, name: str, config: Config) -> Motion:
     """Simulate one recording of an experiment."""
     program, beta, control = experiment.program(name), experiment.true, control_constants(config)
-    counts = record(beta, experiment.effects, experiment.phase, control, program.q, program.h)
-    return motion_of(Recording.of_counts(program, *counts, config), experiment, config)
+    position, pwm = record(beta, experiment.effects, experiment.phase, control, program.q, program.h)
+    recording = Recording.of_counts(program, position.astype(np.float64), pwm.astype(np.float64), config)
+    return motion_of(recording, experiment, config)
 
 
 def motion_of(recording: Recording, experiment: Experiment, config: Config) -> Motion:
@@ -172,7 +173,7 @@ class Outcome:
         )
 
 
-def outcome_of(values: Mapping[str, Any], order: TrackingOrder, config: Config) -> Outcome:
+def outcome_of(values: Mapping[Hashable, Any], order: TrackingOrder, config: Config) -> Outcome:
     """Simulate an experiment on all motions."""
     experiment = experiment_of(values, config)
     return Outcome({name: record_motion(experiment, name, config) for name in PROGRAMS}, order)

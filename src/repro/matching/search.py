@@ -1,15 +1,19 @@
 """Fit of the unknowns to the printed numbers, from random starts under each hypothesis."""
 
+from collections.abc import Hashable, Mapping, Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import least_squares
 
-from repro.matching.evidence import Motion, Outcome, published, record_motion
+from repro.documents import read_json
+from repro.matching.evidence import Motion, Outcome, outcome_of, printed, published, record_motion
 from repro.matching.unknowns import HYPOTHESES, Hypothesis
-from repro.model.parameters import Array
-from repro.pipeline.accepted import experiment_of
+from repro.model.parameters import NAMES, Array
+from repro.pipeline.accepted import SETTINGS, experiment_of
 from repro.pipeline.job import Config
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
@@ -61,7 +65,11 @@ class Problem:
             terms = np.concatenate([term.ravel() for term in self.outcome(place).terms.values()])
         except (ValueError, FloatingPointError):
             return np.full(TERMS, IMPOSSIBLE)
-        return np.nan_to_num(np.clip(terms, -IMPOSSIBLE, IMPOSSIBLE), nan=IMPOSSIBLE)
+        return np.asarray(np.nan_to_num(np.clip(terms, -IMPOSSIBLE, IMPOSSIBLE), nan=IMPOSSIBLE))
+
+    def shifted_terms(self, place: Array) -> Array:
+        """Terms at a place of the cube from 1 to 2: the solver's steps are relative to the place."""
+        return self.terms(place - 1.0)
 
 
 def fit(config: Config, hypothesis: Hypothesis, seed: int, start: int) -> dict[str, Any]:
@@ -71,12 +79,11 @@ def fit(config: Config, hypothesis: Hypothesis, seed: int, start: int) -> dict[s
     draws = rng.uniform(0.05, 0.95, (DRAWS, len(hypothesis.unknowns)))
     place = min(draws, key=lambda draw: float(np.sum(problem.terms(draw) ** 2)))
     for step in STEPS:
-        # Steps are relative, so the cube is moved away from zero.
         solved = least_squares(
-            lambda x: problem.terms(x - 1.0),
+            problem.shifted_terms,
             place + 1.0,
             bounds=(1.0, 2.0),
-            diff_step=step,
+            diff_step=[step],
             max_nfev=MAX_EVALUATIONS,
             ftol=MIN_CHANGE,
         )
@@ -90,3 +97,39 @@ def fit(config: Config, hypothesis: Hypothesis, seed: int, start: int) -> dict[s
         "misfit": round(outcome.misfit, 3),
         **problem.values(place),
     }
+
+
+def fit_start(hypothesis: int, start: int, config: Config) -> dict[str, Any]:
+    """Columns of one start's experiment."""
+    return fit(config, HYPOTHESES[hypothesis], config["matching"]["seed"], start)
+
+
+def collect(starts: Sequence[Path], config: Config) -> list[pd.DataFrame]:
+    """All starts, the accepted experiments with the smallest misfit first, and their misfit in each number."""
+    rows = pd.DataFrame([read_json(path) for path in starts])
+    accepted = rows[rows["accepted"]].sort_values("misfit", kind="stable", ignore_index=True)
+    accepted.insert(0, "experiment", np.arange(1, len(accepted) + 1))
+    table = accepted[["experiment", "misfit", "tracking", "back_emf_in_b", *NAMES, *SETTINGS]]
+    misfits = [misfit_table(row, config) for row in table.to_dict("records")]
+    return [rows, table, pd.concat(misfits, ignore_index=True)]
+
+
+def misfit_table(values: Mapping[Hashable, Any], config: Config) -> pd.DataFrame:
+    """Each number of an experiment next to the printed one, with its term of the misfit."""
+    outcome, target = outcome_of(values, values["tracking"], config), printed()
+    track = target.tracking if values["tracking"] == "printed" else target.tracking[::-1]
+    pairs = {
+        "frequency": (100.0 * outcome.scored.frequency, target.frequency),
+        "time": (100.0 * outcome.scored.time, target.time),
+        "torque": (outcome.mean_square, target.bound),
+        "tracking": (outcome.motions["ID"].tracking[np.newaxis], track[np.newaxis]),
+    }
+    rows = [
+        {
+            **{"experiment": values["experiment"], "quantity": name, "case": PROGRAMS[k], "joint": j + 1},
+            **{"ours": ours[k, j], "printed": theirs[k, j], "term": outcome.terms[name].reshape(ours.shape)[k, j]},
+        }
+        for name, (ours, theirs) in pairs.items()
+        for k, j in np.ndindex(ours.shape)
+    ]
+    return pd.DataFrame(rows)

@@ -6,14 +6,15 @@ Fixed before the search was run (git history); `docs/explanation/experiment.md` 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from repro.model.parameters import NAMES, Array
-from repro.paper.appendix import FreeChoices, appendix_arm
-from repro.paper.published import Published
 from repro.signals.dct import FrequencyUnit
+
+if TYPE_CHECKING:
+    from repro.paper.published import Published
 
 #: Ranges of the unknowns. The arm is a member of the family that gives every number of Appendix A.
 RANGES: dict[str, tuple[float, float]] = {
@@ -68,11 +69,13 @@ class Hypothesis:
         """Names of what is searched."""
         return [name for name in RANGES if not (self.back_emf_in_b and name in VISCOUS)]
 
-    def values(self, place: Array, drawn: Mapping[str, float], published: Published) -> dict[str, Any]:
+    def values(self, place: Array, drawn: Mapping[str, float], published: "Published") -> dict[str, Any]:
         """Return the columns of an experiment at a place of the unit cube; ValueError if the family has no such arm.
 
         `drawn` has what a start draws and does not search: the phases of the ripple and the seed of T1.
         """
+        from repro.paper.appendix import FreeChoices, appendix_arm  # noqa: PLC0415 (the workflow counts hypotheses)
+
         x: dict[str, Any] = {"unit": self.unit, **dict.fromkeys(VISCOUS, 0.0), **drawn}
         for name, share in zip(self.unknowns, place, strict=True):
             low, high = RANGES[name]
@@ -83,7 +86,6 @@ class Hypothesis:
         return dict(zip(NAMES, (float(f"{b:.8g}") for b in beta), strict=True)) | x
 
 
-HYPOTHESES = [
-    Hypothesis(unit, inside, order)
-    for unit, inside, order in product(("index", "rad_per_s"), (False, True), ("printed", "swapped"))
-]
+UNITS: tuple[FrequencyUnit, ...] = ("index", "rad_per_s")
+ORDERS: tuple[TrackingOrder, ...] = ("printed", "swapped")
+HYPOTHESES = [Hypothesis(*choices) for choices in product(UNITS, (False, True), ORDERS)]

@@ -1,6 +1,6 @@
 """Accepted experiments: arms, unmodelled effects and motions that the printed numbers do not rule out."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -52,7 +52,7 @@ class Experiment:
         return reference_trajectory(name, self.trajectories, stream(self.seed, Stream.RANDOM_MOTION))
 
 
-def experiment_of(values: Mapping[str, Any], config: Config) -> Experiment:
+def experiment_of(values: Mapping[Hashable, Any], config: Config) -> Experiment:
     """Experiment with the columns of a row of ``data/experiments.csv``; the board is the configuration's."""
 
     def pair(name: str) -> tuple[float, float]:
@@ -93,3 +93,9 @@ def experiment_of(values: Mapping[str, Any], config: Config) -> Experiment:
 def read_experiments(path: Path) -> pd.DataFrame:
     """Read the accepted experiments, the one with the smallest misfit first."""
     return read_csv(path, ("experiment", *NAMES, *SETTINGS))
+
+
+def experiment_units(path: Path) -> dict[int, str]:
+    """Unit of omega of each accepted experiment by its number."""
+    table = read_experiments(path)
+    return dict(zip(table["experiment"].tolist(), table["unit"].tolist(), strict=True))

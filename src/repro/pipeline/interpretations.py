@@ -68,6 +68,17 @@ def network_files(reading: str) -> tuple[str, str]:
     return f"model/cnn{suffix}.safetensors", f"model/training{suffix}.csv"
 
 
+def network_of_unit(unit: str, default: str) -> str:
+    """Weights, below the results, of the network that is trained as configured but for the unit of omega."""
+    changes = {} if unit == default else {"signals": {"frequency_reading": unit}}
+    (reading,) = (
+        name
+        for name, each in VARIANTS.items()
+        if each.change == changes and each.network == "published" and not each.of
+    )
+    return network_files(reading)[0]
+
+
 def configuration_of(config: Config, reading: Variant) -> dict[str, Any]:
     """Configuration under a reading."""
     changed = copy.deepcopy(merged(of_network(config, reading.network), reading.change))

@@ -118,7 +118,7 @@ def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
     rng = stream(c["study"]["seed"], Stream.STUDY_MOTION, int(excitation == "optimal"))
     if excitation == "random":
         t = program_settings(c)
-        motion = random_motion(rng, t.t1_bands, t.t1_limit, t.t1_range_of, samples, h)
+        motion = random_motion(rng, replace(t.t1, samples=samples), h)
     else:
         first, second = limits(c)[0]
         torque = TORQUE_SHARE * first, TORQUE_SHARE * second

@@ -1,6 +1,6 @@
 """Algorithm 1: lines 8 to 32, and the whole of it in one call; `preprocessing` has lines 1 to 12."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -146,6 +146,38 @@ def _execute(
         met = n_e >= settings.threshold
         yield Candidates(beta[ok], n_e[ok], int(met.sum()))  # line 29
         running = running[~met]  # line 28 is the loop's own count
+
+
+def search_in_turn(
+    estimator: ResidualEstimator,
+    signals: PreparedSignals,
+    settings: SearchSettings,
+    rng: np.random.Generator,
+    budgets: Sequence[int],
+) -> Iterator[Candidates]:
+    """Lines 8 to 29 with executions in turn and no L_exe: what is found within each budget of guesses, which rise.
+
+    An execution ends at the threshold alone, and the next begins. The search ends with the last execution.
+    """
+    score, possible = TorqueScorer(signals.alpha, signals.y_sub, settings.metric), FEASIBILITY[settings.feasibility]
+    found, done, met = [Candidates(np.empty((0, 9)), np.empty(0), 0)], 0, 0
+    for budget in budgets:
+        while done < budget and met < settings.executions:
+            guess = rng.uniform(settings.low, settings.high, (min(BATCH, budget - done), 9))
+            beta = estimator.estimate(guess)
+            n_e = np.zeros(len(beta))
+            ok = possible(beta)
+            n_e[ok] = score(beta[ok]).total.mean(-1)
+            ends = np.flatnonzero(n_e >= settings.threshold)[: settings.executions - met]
+            if met + len(ends) == settings.executions:
+                ok[ends[-1] + 1 :] = False  # nothing is drawn after the last execution
+            found.append(Candidates(beta[ok], n_e[ok], len(ends)))
+            met += len(ends)
+            done += len(guess)
+            if sum(len(part.beta) for part in found) > 2 * KEPT:
+                found = [_most_similar(found)]
+        found = [_most_similar(found)]
+        yield found[0]
 
 
 def _most_similar(parts: list[Candidates]) -> Candidates:

@@ -1,0 +1,109 @@
+"""Algorithm 1 and least squares over the accepted experiments, by the number of guesses."""
+
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from repro.files import read_tensors, write_tensors
+from repro.fpga.controller import simulate
+from repro.fpga.plant import Plant
+from repro.identification.algorithm1.search import ImageMotion, ResidualEstimator, search_in_turn, select
+from repro.identification.least_squares import METHODS
+from repro.identification.method import BASELINES
+from repro.model.parameters import Array
+from repro.pipeline.accepted import Experiment, experiment_of, read_experiments
+from repro.pipeline.experiment import Recording, control_constants
+from repro.pipeline.identifications import prepare_recording
+from repro.pipeline.job import Config
+from repro.pipeline.networks import algorithm1_of, for_the_arm
+from repro.progress import Progress
+from repro.settings import metric_settings
+from repro.signals.metric import TorqueScorer
+from repro.signals.programs import PROGRAMS
+from repro.streams import Stream, stream
+
+#: Motion of line 18 by the name of the method.
+METHOD_MOTIONS: dict[str, ImageMotion] = {"algorithm1": "measured", "algorithm1+desired": "desired"}
+GUESSES = (
+    *("experiment", "unit", "method", "seed", "guesses", "met", "similarity"),
+    *("case", "joint", "time", "frequency", "total"),
+)
+
+
+def simulate_accepted(experiments: Path, out: Path, config: Config) -> None:
+    """Simulate every accepted experiment on all motions, as one batch by the quick method, and keep the counts."""
+    each = [experiment_of(row, config) for row in read_experiments(experiments).to_dict("records")]
+    programs = [one.program(name) for name in PROGRAMS for one in each]
+    longest = max(program.q.shape[1] for program in programs)
+    desired = np.stack([np.pad(p.q, ((0, 0), (0, longest - p.q.shape[1])), mode="edge") for p in programs])
+    arms = np.tile([one.true for one in each], (len(PROGRAMS), 1))
+    effects, phases = (
+        [one.effects for one in each] * len(PROGRAMS),
+        np.tile([x.phase for x in each], (len(PROGRAMS), 1)),
+    )
+    plant = Plant(arms, programs[0].h, effects, phases, quick=True)
+    position, pwm = simulate(plant, control_constants(config), desired, Progress("simulating accepted experiments"))
+    write_tensors(out, {"position": position, "pwm": pwm})
+
+
+def recordings_of(experiment: Experiment, place: int, counts: Path, config: Config) -> list[Recording]:
+    """Recordings of the experiment at a place of the file, ID first."""
+    kept, _ = read_tensors(counts, "recordings of the accepted experiments")
+    position, pwm = (
+        kept[name].reshape(len(PROGRAMS), -1, *kept[name].shape[1:])[:, place] for name in ("position", "pwm")
+    )
+    recordings = []
+    for k, name in enumerate(PROGRAMS):
+        program = experiment.program(name)
+        own = np.s_[k, :, : program.q.shape[1]]
+        sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))
+        recordings.append(Recording.of_counts(sent, position[own], pwm[own], config))
+    return recordings
+
+
+def search_accepted(number: int, experiments: Path, counts: Path, weights: Path, config: Config) -> pd.DataFrame:
+    """Scores of one experiment: least squares, the true parameters, and Algorithm 1 within each budget of guesses."""
+    table, a, metric = read_experiments(experiments), config["accepted"], metric_settings(config)
+    place = int(np.flatnonzero(table["experiment"] == number)[0])
+    experiment = experiment_of(table.iloc[place].to_dict(), config)
+    recordings = recordings_of(experiment, place, counts, config)
+    regressions = [recording.regression(experiment.signals) for recording in recordings]
+    scorers = [TorqueScorer(r.tau, r.y, metric) for r in regressions]
+    rows: list[dict[str, Any]] = []
+
+    def add(beta: Array, **labels: Any) -> None:  # noqa: ANN401
+        for case, scorer in zip(PROGRAMS, scorers, strict=True):
+            s = scorer(beta)
+            own = {"experiment": number, "unit": experiment.signals.omega_unit, **labels, "case": case}
+            for j in range(2):
+                values = {"time": s.time[j], "frequency": s.frequency[j], "total": s.total[j]}
+                rows.append({**own, "joint": j + 1, **values})
+
+    none = {"seed": 0, "guesses": 0, "met": 0, "similarity": np.nan}
+    for name, method in BASELINES.items():
+        add(METHODS[method].estimate(regressions[0]).beta, method=name, **none)
+    add(experiment.true, method="true", **none)
+    algorithm1 = for_the_arm(algorithm1_of("published", weights, config), config)
+    for (name, motion), seed in chain((each, seed) for each in METHOD_MOTIONS.items() for seed in a["seeds"]):
+        further = a["further_guesses"] if name == "algorithm1" and place < a["further_experiments"] else []
+        budgets = [*a["guesses"], *further]
+        prepared = prepare_recording(recordings[0], None, experiment.signals, motion)
+        estimator = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
+        progress = Progress(f"experiment {number}, {name}, seed {seed}")
+        found = search_in_turn(estimator, prepared, algorithm1.search, stream(seed, Stream.LONG_SEARCH), budgets)
+        for k, (budget, candidates) in enumerate(zip(budgets, found, strict=True)):
+            progress(k + 1, len(budgets))
+            selected = select(candidates.beta, prepared, algorithm1.search)
+            add(
+                selected.beta,
+                method=name,
+                seed=seed,
+                guesses=budget,
+                met=candidates.met,
+                similarity=selected.similarity,
+            )
+    return pd.DataFrame(rows)[list(GUESSES)]
