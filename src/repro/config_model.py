@@ -376,7 +376,9 @@ class Study(Section):
 class Matching(Section):
     """Search for experiments that the printed numbers do not rule out."""
 
-    starts: Arms = key("random starts under each hypothesis", "starts")
+    starts: Annotated[list[Count], Field(min_length=8, max_length=8)] = key(
+        "random starts under each hypothesis", "starts"
+    )
     seed: Seed = key("seed of the starts")
 
 

@@ -16,9 +16,11 @@ rule match_start:
 
 rule match:
     input:
-        starts=expand(
-            rules.match_start.output, hypothesis=range(len(HYPOTHESES)), start=range(config["matching"]["starts"])
-        ),
+        starts=[
+            f"{R}/matching/{hypothesis}-{start}.json"
+            for hypothesis, count in enumerate(config["matching"]["starts"])
+            for start in range(count)
+        ],
     output:
         starts=f"{R}/matching/starts.csv",
         experiments=f"{R}/matching/experiments.csv",

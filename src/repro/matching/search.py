@@ -25,6 +25,8 @@ IMPOSSIBLE, TERMS = 30.0, 52
 DRAWS = 60
 #: Differences in the unit cube that slopes are taken over, one fit after another: quantised counts make slopes rough.
 STEPS = (0.03, 0.01, 0.03)
+#: Most times that they are gone through; an accepted experiment is not fitted further.
+ROUNDS = 2
 #: Most experiments of a fit (without those of its slopes), and the relative change of the misfit at which it ends.
 MAX_EVALUATIONS, MIN_CHANGE = 40, 3e-3
 
@@ -78,7 +80,7 @@ def fit(config: Config, hypothesis: Hypothesis, seed: int, start: int) -> dict[s
     problem = Problem(config, hypothesis, rng)
     draws = rng.uniform(0.05, 0.95, (DRAWS, len(hypothesis.unknowns)))
     place = min(draws, key=lambda draw: float(np.sum(problem.terms(draw) ** 2)))
-    for step in STEPS:
+    for fits, step in enumerate(STEPS * ROUNDS, start=1):
         solved = least_squares(
             problem.shifted_terms,
             place + 1.0,
@@ -88,7 +90,9 @@ def fit(config: Config, hypothesis: Hypothesis, seed: int, start: int) -> dict[s
             ftol=MIN_CHANGE,
         )
         place = np.clip(solved.x - 1.0, 1e-6, 1.0 - 1e-6)
-    outcome = problem.outcome(place)
+        outcome = problem.outcome(place)
+        if fits >= len(STEPS) and outcome.accepted:
+            break
     return {
         "tracking": hypothesis.tracking,
         "back_emf_in_b": hypothesis.back_emf_in_b,

@@ -6,15 +6,14 @@ Fixed before the search was run (git history); `docs/explanation/experiment.md` 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from repro.model.parameters import NAMES, Array
+from repro.paper.appendix import FreeChoices, appendix_arm
+from repro.paper.published import Published
 from repro.signals.dct import FrequencyUnit
-
-if TYPE_CHECKING:
-    from repro.paper.published import Published
 
 #: Ranges of the unknowns. The arm is a member of the family that gives every number of Appendix A.
 RANGES: dict[str, tuple[float, float]] = {
@@ -69,13 +68,11 @@ class Hypothesis:
         """Names of what is searched."""
         return [name for name in RANGES if not (self.back_emf_in_b and name in VISCOUS)]
 
-    def values(self, place: Array, drawn: Mapping[str, float], published: "Published") -> dict[str, Any]:
+    def values(self, place: Array, drawn: Mapping[str, float], published: Published) -> dict[str, Any]:
         """Return the columns of an experiment at a place of the unit cube; ValueError if the family has no such arm.
 
         `drawn` has what a start draws and does not search: the phases of the ripple and the seed of T1.
         """
-        from repro.paper.appendix import FreeChoices, appendix_arm  # noqa: PLC0415 (the workflow counts hypotheses)
-
         x: dict[str, Any] = {"unit": self.unit, **dict.fromkeys(VISCOUS, 0.0), **drawn}
         for name, share in zip(self.unknowns, place, strict=True):
             low, high = RANGES[name]
