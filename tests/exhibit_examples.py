@@ -12,12 +12,14 @@ from factorial_example import factorial_scores
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
+from print_compatible_example import guess_scores
 from study_example import outcomes
 
 from repro.cnn.architecture import NetworkSettings
 from repro.exhibits import catalogue, declare, style
 from repro.exhibits.many_arms import RANKS
 from repro.exhibits.panels import long_table
+from repro.exhibits.print_compatible import MEAN, by_experiment
 from repro.exhibits.schematics import words
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
@@ -89,7 +91,7 @@ TRACKED = {"position": ("desired1", "desired2", *BOTH), "velocity": BOTH, "accel
 WITHOUT_AXES = {"fig01", "fig02", "fig03", "fig04", "fig07", "fig18"}
 #: Figures that must say so.
 SIMULATED = {f"fig{number}" for number in range(18, 25)}
-SIMULATED |= {"spread", "why", "coverage", "factorial", "ablation", "study", "study_calibration"}
+SIMULATED |= {"spread", "why", "coverage", "factorial", "ablation", "study", "study_calibration", "guesses"}
 #: Tables that go on over pages.
 LONG = ("audit",)
 
@@ -127,6 +129,15 @@ def spread_frame() -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=["case", "joint", "method", "duration", "seed", "total"])
     groups = frame.groupby(["case", "joint", "method", "duration"])
     return frame.assign(median=groups["total"].transform("median"))
+
+
+def guesses_frame() -> pd.DataFrame:
+    """Four experiments by the number of guesses."""
+    means = by_experiment(guess_scores())
+    shown = means[means["case"].isin(["ID", MEAN])]
+    on = shown.groupby(["method", "guesses", "experiment", "case"])["total"].mean().reset_index()
+    printed = pd.DataFrame({"case": ["ID", MEAN], "total": [0.94, 0.9174], "method": "published"})
+    return pd.concat([on, printed.assign(guesses=0, experiment=0)], ignore_index=True)
 
 
 def readings_frame() -> pd.DataFrame:
@@ -180,6 +191,7 @@ FRAMES: dict[str, Callable[[], pd.DataFrame]] = {
     ),
     "metric_search": candidates_frame,
     "factorial": lambda: effects(factorial_scores()),
+    "guesses": guesses_frame,
     "ablation": lambda: ablation_figure(readings_frame()),
     "study": lambda: analysis.maps(outcomes({"wide": -0.07, "narrow": 0.03})),
     "study_calibration": lambda: analysis.calibration(outcomes({"wide": -0.07, "narrow": 0.03})),

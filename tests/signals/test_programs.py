@@ -30,10 +30,10 @@ def rng(seed=1):
 
 
 MOTIONS = {
-    "T1": validation_motions.random_motion(rng(), 12.0, 1.2, "motion", 8192, H),
-    "T2": validation_motions.circle_motion(GEOMETRY, 8192, H),
-    "T3": validation_motions.profile_motion(8192, H),
-    "T4": validation_motions.sinusoidal_motion(8192, H),
+    "T1": validation_motions.random_motion(rng(), validation_motions.RandomMotion(), H),
+    "T2": validation_motions.circle_motion(validation_motions.Circle(), GEOMETRY, H),
+    "T3": validation_motions.profile_motion(validation_motions.Profile(), H),
+    "T4": validation_motions.sinusoidal_motion(validation_motions.Sinusoid(), H),
 }
 
 
@@ -66,7 +66,7 @@ def test_motions_last_the_whole_memory_from_rest_to_rest_with_derivatives_that_b
 
 @pytest.mark.parametrize(("bands", "limit"), [(5.0, 1.2), (12.0, 1.2), (12.0, 0.3), (100.0, 1.2)])
 def test_random_motion_of_a_range_reaches_it_before_the_window(bands, limit):
-    motion = validation_motions.random_motion(rng(5), bands, limit, "motion", 8192, H)
+    motion = validation_motions.random_motion(rng(5), validation_motions.RandomMotion(8192, bands, limit), H)
     gains = np.exp(-((np.arange(8192.0) / bands) ** 2))  # Eq. 14 at each band of the DCT-II
     filtered = idct(dct(rng(5).uniform(-1.2, 1.2, (2, 8192)), norm="ortho") * gains, norm="ortho")
     scaled = limit * filtered / np.abs(filtered).max(axis=1, keepdims=True)
@@ -122,14 +122,16 @@ def test_identification_reference_contains_eq_10():
 def test_a_program_longer_than_the_memory_is_refused():
     with pytest.raises(InputError, match=r"trajectory ID: length: found 8572 samples, expected at most .* 8192"):
         identification_reference(replace(SETTINGS, duration=20.48))
-    assert "trajectory T3" in refused(reference_trajectory, "T3", replace(SETTINGS, validation_samples=8193), rng())
+    assert "trajectory T3" in refused(
+        reference_trajectory, "T3", replace(SETTINGS, t3=validation_motions.Profile(8193)), rng()
+    )
     longest = replace(SETTINGS, duration=8192 * H - 380 * H)
     assert identification_reference(longest).q.shape[1] == 8192
 
 
 def test_random_motion_is_drawn_again_until_it_keeps_the_limits():
     """With 45 bands, of which a fifth of the draws keep the torque limit; with the default 12 all do."""
-    fast = replace(SETTINGS, t1_bands=45.0)
+    fast = replace(SETTINGS, t1=validation_motions.RandomMotion(bands=45.0))
     beyond = reference_trajectory("T1", fast, rng(0))
     assert "trajectory T1: joint 1 torque" in refused(check_limits, beyond, ARM, LIMITS)
     generator = rng(0)

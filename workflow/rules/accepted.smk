@@ -1,5 +1,5 @@
 # Which experiments the printed numbers do not rule out. Needs the extra matching; what all is made from is the kept
-# data/experiments.csv.
+# data/experiments.
 rule match_start:
     output:
         f"{R}/matching/{{hypothesis}}-{{start}}.json",
@@ -23,7 +23,7 @@ rule match:
         ],
     output:
         starts=f"{R}/matching/starts.csv",
-        experiments=f"{R}/matching/experiments.csv",
+        experiments=f"{R}/matching/accepted.csv",
         misfits=f"{R}/matching/misfits.csv",
     params:
         *call("repro.matching.search:collect"),

@@ -41,10 +41,8 @@ SOURCES = {
         "references": f"{R}/factorial/references.csv",
     },
     "study": {"outcomes": expand(f"{R}/study/cells/{{job}}.csv", job=STUDY_JOBS)},
-    "accepted": {
-        "scores": expand(f"{R}/accepted/experiment-{{number}}.csv", number=UNITS),
-        "experiments": ACCEPTED,
-    },
+    "matching": {"starts": f"{os.path.dirname(ACCEPTED)}/starts.csv", "experiments": ACCEPTED},
+    "accepted": {"scores": expand(f"{R}/accepted/experiment-{{number}}.csv", number=UNITS)},
     "ablation": {"table": f"{R}/tables/ablation.csv"},
 }
 

@@ -8,6 +8,7 @@ from repro.exhibits import (
     network_training,
     numeric_tests,
     paper_audit,
+    print_compatible,
     schematics,
     study_results,
     variants,
@@ -15,7 +16,8 @@ from repro.exhibits import (
 from repro.exhibits.declare import Exhibit, Kind
 
 MODULES = (  # ours in this order
-    schematics, network_training, numeric_tests, causes, many_arms, arm_experiment, variants, study_results, paper_audit
+    schematics, network_training, numeric_tests, causes, many_arms, arm_experiment, variants, study_results,
+    print_compatible, paper_audit
 )  # fmt: skip
 _DECLARED = [value for module in MODULES for value in vars(module).values() if isinstance(value, Exhibit)]
 #: Has a section of its own in the report.
@@ -35,7 +37,7 @@ def tolerances() -> Tolerances:
     """How two runs may differ, by what each exhibit declares and by the measured spread of the networks."""
     # All floats here depend on a network, a random search, or arms that are simulated again: the loop of a light arm is
     # chaotic, so that another last bit moves a score of any method by up to 0.1 (docs/numbers.md).
-    folders = ("model/", "factorial/", "coverage/", "spread/")
+    folders = ("model/", "factorial/", "coverage/", "spread/", "accepted/")
     tables = frozenset(f"{each.kind}s/{each.name}" for each in EXHIBITS if each.trained == "all")
     targets = frozenset(("training", *(each.target for each in EXHIBITS if each.trained == "claims")))
     return Tolerances(folders, tables, targets, measured_spread())

@@ -53,7 +53,7 @@ class Experiment:
 
 
 def experiment_of(values: Mapping[Hashable, Any], config: Config) -> Experiment:
-    """Experiment with the columns of a row of ``data/experiments.csv``; the board is the configuration's."""
+    """Experiment with the columns of a row of ``data/experiments/accepted.csv``; the board is the configuration's."""
 
     def pair(name: str) -> tuple[float, float]:
         return float(values[f"{name}1"]), float(values[f"{name}2"])

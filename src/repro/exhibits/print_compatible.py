@@ -1,0 +1,284 @@
+"""Experiments that the printed numbers do not rule out: what they settle, and Algorithm 1 over them by its guesses."""
+
+from collections.abc import Hashable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy.stats import binomtest
+
+from repro.exhibits import style
+from repro.exhibits.declare import Inputs, figure, table
+from repro.exhibits.markup import Block, Column, Table, Text, digits, grid, layout, number, plain
+from repro.exhibits.result_tables import heading_of, methods_of
+from repro.files import read_csv
+from repro.paper.published import load_published
+from repro.pipeline.accepted import SETTINGS
+from repro.pipeline.guesses import GUESSES
+from repro.pipeline.job import Config
+from repro.signals.programs import PROGRAMS, SPAN
+
+_matching = partial(table, category="Ablation", inputs=("matching",), optional=True)
+_table, _figure = (
+    partial(kind, category="Ablation", inputs=("accepted",), trained="all", optional=True) for kind in (table, figure)
+)
+
+#: Shares of experiments below and above a range.
+TAILS = (0.025, 0.975)
+MEAN = "T1 to T4"
+#: Hypotheses in words.
+UNITS = {"index": "band number", "rad_per_s": "rad/s"}
+BACK_EMF = {True: "in b", False: "further"}
+HYPOTHESIS = ("unit", "back_emf_in_b", "tracking")
+#: Units of unknowns by the beginning of their names.
+SI = {
+    **{"duration": "s", "l1": "m", "viscous": "N m s/rad", "stribeck_velocity": "rad/s", "ripple1": "N m"},
+    **{"ripple2": "N m", "ripple_cycles": "1/turn", "t4_amplitude": "rad", "t4_frequency": "Hz", "I": "kg m^2"},
+    **{"g": "N m", "b": "N m s/rad", "k": "N m"},
+}
+
+
+def hypotheses_layout(frame: pd.DataFrame) -> Table:
+    """One row for each hypothesis."""
+    columns: list[Column] = [
+        ("Omega", "l", lambda row: plain(UNITS[row["unit"]])),
+        ("Back-EMF", "l", lambda row: plain(BACK_EMF[row["back_emf_in_b"]])),
+        ("Tracking", "l", lambda row: plain(row["tracking"])),
+        ("Starts", "r", digits("starts", 0)),
+        ("Accepted", "r", digits("accepted", 0)),
+        ("Smallest misfit", "r", digits("smallest", 1)),
+        ("Median", "r", digits("median", 1)),
+    ]
+    caption = (
+        "History matching: hypotheses on the unit of omega, on whether the b of Appendix A has the back-EMF, and on "
+        "the order of the joints in the tracking of Table 8; starts of the search, those that end in an accepted "
+        "experiment, and the sum of squares of the 52 terms of the misfit."
+    )
+    return grid(caption, columns, [(None, frame)])
+
+
+@_matching("Hypotheses on the experiment", hypotheses_layout)
+def hypotheses(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Hypotheses on the experiment that were tried with each other, by how many starts of the search end in an
+    experiment that the printed numbers of least squares, the torque bounds and the tracking do not rule out.
+    """
+    starts = read_csv(inputs["starts"][0], (*HYPOTHESIS, "accepted", "misfit"))
+    each = starts.groupby(list(HYPOTHESIS), sort=False)
+    found = {"starts": each.size(), "accepted": each["accepted"].sum()}
+    return pd.DataFrame({**found, "smallest": each["misfit"].min(), "median": each["misfit"].median()}).reset_index()
+
+
+def unknowns_layout(frame: pd.DataFrame) -> Table:
+    """One row for each unknown."""
+    return layout(
+        "Unknowns of the experiments that the printed numbers do not rule out: smallest, median and largest value.",
+        ("Unknown", "l", lambda row: plain(f"{row['unknown']}, {row['si']}" if row["si"] else row["unknown"])),
+        ("Smallest", "r", digits("low", 3)),
+        ("Median", "r", digits("median", 3)),
+        ("Largest", "r", digits("high", 3)),
+    )(frame.fillna({"si": ""}))
+
+
+@_matching("Unknowns of the accepted experiments", unknowns_layout)
+def unknowns(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """What the printed numbers determine of the experiment, and what they leave open: the unknowns over all accepted
+    experiments.
+    """
+    accepted = read_csv(inputs["experiments"][0], ("experiment", *SETTINGS))
+    left_out = ("experiment", "misfit", *HYPOTHESIS, "seed", "ripple_phase1", "ripple_phase2")
+    numbers = accepted.drop(columns=list(left_out))
+    si = {name: next((u for start, u in SI.items() if name.startswith(start)), "") for name in map(str, numbers)}
+    values = {"low": numbers.min(), "median": numbers.median(), "high": numbers.max()}
+    return pd.DataFrame({"si": pd.Series(si), **values}).rename_axis("unknown").reset_index()
+
+
+def _scores(inputs: Inputs) -> pd.DataFrame:
+    return pd.concat([read_csv(path, GUESSES) for path in inputs["scores"]], ignore_index=True)
+
+
+def by_experiment(scores: pd.DataFrame) -> pd.DataFrame:
+    """Total of each cell, and of `MEAN` over both joints, of each experiment: the median of its seeds."""
+    keys = ["unit", "method", "guesses", "experiment"]
+    validated = scores[scores["case"] != "ID"]
+    mean = validated.groupby([*keys, "seed"], sort=False)["total"].mean().reset_index().assign(case=MEAN, joint=0)
+    both = pd.concat([scores, mean])
+    return both.groupby([*keys, "case", "joint"], sort=False)["total"].median().reset_index()
+
+
+def _published(method: str, case: str, joint: int) -> float:
+    """Published total of a cell, as a fraction, of `MEAN` over its cells: of least squares, or of Algorithm 1."""
+    numbers, kind = load_published(), "least-squares" if method == "least-squares" else "algorithm1"
+    cells = [(case, joint)] if case != MEAN else [(each, j) for each in PROGRAMS[1:] for j in (1, 2)]
+    return float(np.mean([numbers[f"table10/{each}/{kind}/total/joint{j}"].value / 100.0 for each, j in cells]))
+
+
+def _cells(scores: pd.DataFrame) -> pd.DataFrame:
+    """Each cell of each method within each budget: median and range over the experiments, of all and of each unit."""
+    totals, rows = by_experiment(scores), []
+    for unit in ("all", *UNITS):
+        of_unit = totals if unit == "all" else totals[totals["unit"] == unit]
+        for key, own in of_unit.groupby(["method", "guesses", "case", "joint"], sort=False):
+            method, guesses, case, joint = str(key[0]), key[1], str(key[2]), int(str(key[3]))
+            low, middle, high = np.quantile(own["total"], [TAILS[0], 0.5, TAILS[1]])
+            published = _published(method, case, joint)
+            inside = bool(low <= published <= high)
+            values = {"median": middle, "low": low, "high": high, "published": published, "inside": inside}
+            labels = {"unit": unit, "method": method, "guesses": guesses, "experiments": len(own)}
+            rows.append({**labels, "case": case, "joint": joint, **values})
+    return pd.DataFrame(rows)
+
+
+def _name(row: Mapping[Hashable, Any]) -> Text:
+    """Method with its guesses."""
+    return heading_of(row["method"]) + (plain(f", {row['guesses']:,} guesses") if row["guesses"] else "")
+
+
+def _range(row: Mapping[Hashable, Any], name: str) -> Text:
+    median, low, high = (100.0 * row[f"{name}_{end}"] for end in ("median", "low", "high"))
+    return number(median, 1) + plain(f" ({low:.1f} to {high:.1f})")
+
+
+def accepted_layout(frame: pd.DataFrame) -> Table:
+    """One row for each method and budget, a block for each unit of omega."""
+    columns: list[Column] = [
+        ("Method", "l", _name),
+        ("Experiments", "r", digits("experiments", 0)),
+        ("ID, joint 1", "r", partial(_range, name="id1")),
+        ("ID, joint 2", "r", partial(_range, name="id2")),
+        (MEAN, "r", partial(_range, name="mean")),
+        ("Inside", "r", lambda row: plain(f"{row['inside']:.0f} of {row['cells']:.0f}")),
+        ("Above LS", "r", _share("wins")),
+        ("Met", "r", digits("met", 1)),
+    ]
+    blocks: list[Block] = []
+    order = {method: place for place, method in enumerate(methods_of(frame))}
+    for unit, name in (
+        ("all", "All accepted experiments"),
+        *((unit, f"Omega: {word}") for unit, word in UNITS.items()),
+    ):
+        own = frame[frame["unit"] == unit].assign(place=lambda rows: rows["method"].map(order))
+        if len(own):
+            blocks.append((plain(name), own.sort_values(["place", "guesses"], kind="stable")))
+    caption = (
+        "Similarity (%) over the simulated experiments that the printed numbers do not rule out: median and central "
+        f"95 % range of the total on ID and of the mean over {SPAN} and both joints. Published, Algorithm 1: 93.55, "
+        "94.51 and 91.74. Inside: cells of Table 10 whose published total is within the range. Above LS: experiments "
+        f"whose mean over {SPAN} is above that of plain least squares, with the 95 % interval of the share (Clopper "
+        "and Pearson). Met: estimates over the threshold."
+    )
+    return grid(caption, columns, blocks)
+
+
+def _share(name: str) -> Any:  # noqa: ANN401
+    """Cell of a share with its interval."""
+
+    def cell(row: Mapping[Hashable, Any]) -> Text:
+        k, n = int(row[name]), int(row["experiments"])
+        interval = binomtest(k, n).proportion_ci()
+        return plain(f"{k} of {n} ({100 * interval.low:.0f} to {100 * interval.high:.0f} %)")
+
+    return cell
+
+
+@_table("Algorithm 1 over the accepted experiments", accepted_layout)
+def accepted_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Algorithm 1 by its number of guesses, and least squares, over the experiments that the printed numbers do not
+    rule out: whether the published totals are within what these experiments give, and in how many of them Algorithm 1
+    is above plain least squares on T1 to T4.
+    """
+    scores = _scores(inputs)
+    totals, cells = by_experiment(scores), _cells(scores)
+    means = totals[totals["case"] == MEAN]
+    level = means[means["method"] == "least-squares"].set_index("experiment")["total"]
+    above = means.assign(above=means["total"] > means["experiment"].map(level))
+    met = scores.drop_duplicates(["experiment", "method", "guesses", "seed"])
+    rows = []
+    for (unit, method, guesses), own in cells.groupby(["unit", "method", "guesses"], sort=False):
+        shown = {"id1": ("ID", 1), "id2": ("ID", 2), "mean": (MEAN, 0)}
+        values = {
+            f"{short}_{end}": own.loc[(own["case"] == case) & (own["joint"] == joint), end].iloc[0]
+            for short, (case, joint) in shown.items()
+            for end in ("median", "low", "high")
+        }
+        wins, ends = (
+            of[(of["method"] == method) & (of["guesses"] == guesses) & ((unit == "all") | (of["unit"] == unit))]
+            for of in (above, met)
+        )
+        inside = own.loc[own["case"] != MEAN, "inside"]
+        counts = {"inside": int(inside.sum()), "cells": len(inside), "wins": int(wins["above"].sum())}
+        labels = {"unit": unit, "method": method, "guesses": guesses, "experiments": len(wins)}
+        rows.append({**labels, **values, **counts, "met": float(ends["met"].mean())})
+    return pd.DataFrame(rows)
+
+
+def cells_layout(frame: pd.DataFrame) -> Table:
+    """One row for each cell of Table 10, a block for each method and budget."""
+    columns: list[Column] = [
+        ("Cell", "l", lambda row: plain(row["case"] if row["joint"] == 0 else f"{row['case']}, joint {row['joint']}")),
+        ("Published", "r", digits("published", 2, 100.0)),
+        ("Median", "r", digits("median", 2, 100.0)),
+        ("Range", "r", lambda row: plain(f"{100.0 * row['low']:.2f} to {100.0 * row['high']:.2f}")),
+        ("Published inside", "l", lambda row: plain("yes" if row["inside"] else "no")),
+    ]
+    order = {method: place for place, method in enumerate(methods_of(frame))}
+    ordered = frame.assign(place=frame["method"].map(order)).sort_values(["place", "guesses"], kind="stable")
+    blocks: list[Block] = [
+        (_name(own.iloc[0].to_dict()) + plain(f" ({own['experiments'].max()} experiments)"), own)
+        for _, own in ordered.groupby(["place", "guesses"], sort=False)
+    ]
+    caption = (
+        "Totals (%) over the simulated experiments that the printed numbers do not rule out, for each cell of Table "
+        "10: median and central 95 % range, and whether the published total of Algorithm 1 (of least squares in its "
+        "own block) is within the range."
+    )
+    return grid(caption, columns, blocks)
+
+
+@_table("Cells of Table 10 over the accepted experiments", cells_layout)
+def accepted_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Each cell of Table 10 over the experiments that the printed numbers do not rule out: median and range of each
+    method within each budget of guesses, next to the published total.
+    """
+    cells = _cells(_scores(inputs))
+    return cells[cells["unit"] == "all"].drop(columns="unit")
+
+
+def draw_guesses(frame: pd.DataFrame) -> Figure:
+    """Mean total against the number of guesses: a line for each experiment, and their median."""
+    drawn, panels = style.new_panels(style.PAGE, 2.8, 1, 2, sharey=True)
+    for axes, (case, title) in zip(
+        panels, (("ID", "ID, mean of both joints"), (MEAN, f"Mean over {SPAN}")), strict=True
+    ):
+        own = frame[frame["case"] == case]
+        for method in ("algorithm1", "algorithm1+desired"):
+            rows, look = own[own["method"] == method], style.STROKES[method]
+            for _, line in rows.groupby("experiment"):
+                axes.plot(line["guesses"], 100.0 * line["total"], color=look["color"], alpha=0.25, lw=0.6)
+            everywhere = rows.groupby("guesses")["total"].agg(["median", "size"])
+            whole = everywhere[everywhere["size"] == everywhere["size"].max()]
+            label = style.SERIES_LABELS[method]
+            axes.plot(whole.index, 100.0 * whole["median"], label=label, **look, **style.MARKS[method])
+        for method in ("least-squares", "bounded"):
+            level = 100.0 * own.loc[own["method"] == method, "total"].median()
+            axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
+        published = 100.0 * own.loc[own["method"] == "published", "total"].iloc[0]
+        axes.axhline(published, color=style.INK, lw=1.4, label="Published, Algorithm 1")
+        axes.set(title=title, xscale="log", xlabel="Guesses", ylim=(40.0, 100.0))
+    panels[0].set_ylabel("Total similarity (%)")
+    return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
+
+
+@_figure("Similarity by the number of guesses", draw_guesses)
+def guesses(inputs: Inputs, _: Config) -> pd.DataFrame:
+    """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
+    that the printed numbers do not rule out (thin lines) and their median; levels of least squares over the same
+    experiments, and the published level of Algorithm 1.
+    """
+    totals = by_experiment(_scores(inputs))
+    kept = totals[totals["case"].isin(["ID", MEAN]) & (totals["method"] != "consistent")]
+    mean = kept.groupby(["method", "guesses", "experiment", "case"], sort=False)["total"].mean().reset_index()
+    on_id = float(np.mean([_published("algorithm1", "ID", joint) for joint in (1, 2)]))
+    printed = pd.DataFrame({"case": ["ID", MEAN], "total": [on_id, _published("algorithm1", MEAN, 0)]})
+    return pd.concat([mean, printed.assign(method="published", guesses=0, experiment=0)], ignore_index=True)

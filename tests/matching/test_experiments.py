@@ -1,0 +1,99 @@
+"""Accepted experiments: each number is computed again from its parameters, and the rule of acceptance is satisfied."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from repro.matching.evidence import MAX_OVER_BOUND, MAX_TOTALS_RMS, MAX_TRACKING_DISTANCE, outcome_of, published
+from repro.matching.search import IMPOSSIBLE, TERMS, Problem, misfit_table
+from repro.matching.unknowns import HYPOTHESES, RANGES, VISCOUS
+from repro.model.parameters import NAMES
+from repro.paper.appendix import reproduced
+from repro.pipeline.accepted import experiment_of, experiment_units, read_experiments
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "data/experiments"
+CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+EXPERIMENTS = read_experiments(FOLDER / "accepted.csv").to_dict("records")
+MISFITS = pd.read_csv(FOLDER / "misfits.csv")
+#: Largest difference of a term on another processor: one count of one sample changes a factor by far less.
+TERM_TOLERANCE = 0.02
+
+
+def test_at_least_24_experiments_are_kept_in_the_order_of_their_misfit():
+    misfits = [one["misfit"] for one in EXPERIMENTS]
+    assert len(EXPERIMENTS) >= 24
+    assert misfits == sorted(misfits)
+    assert [one["experiment"] for one in EXPERIMENTS] == list(range(1, len(EXPERIMENTS) + 1))
+
+
+@pytest.mark.parametrize("values", EXPERIMENTS, ids=lambda values: str(values["experiment"]))
+def test_an_experiment_has_the_kept_numbers_and_is_not_ruled_out(values):
+    found, kept = misfit_table(values, CONFIG), MISFITS[MISFITS["experiment"] == values["experiment"]]
+    assert found["quantity"].tolist() == kept["quantity"].tolist()
+    assert np.abs(found["term"].to_numpy() - kept["term"].to_numpy()).max() < TERM_TOLERANCE
+    of = found.set_index("quantity")
+    product = of.loc["time", "ours"].to_numpy() * of.loc["frequency", "ours"].to_numpy() / 100.0
+    printed = of.loc["time", "printed"].to_numpy() * of.loc["frequency", "printed"].to_numpy() / 100.0
+    assert np.sqrt(np.mean((product - printed) ** 2)) < MAX_TOTALS_RMS + 0.02  # printed totals are rounded
+    assert (of.loc["torque", "ours"] <= MAX_OVER_BOUND * of.loc["torque", "printed"]).all()
+    assert (of.loc["tracking", "ours"] - of.loc["tracking", "printed"]).abs().max() <= MAX_TRACKING_DISTANCE
+    assert outcome_of(values, values["tracking"], CONFIG).accepted
+    # The arm is a member of the appendix's family.
+    assert all(reproduced(np.array([values[name] for name in NAMES])).values())
+
+
+def test_the_starts_contain_the_accepted_experiments():
+    starts = pd.read_csv(FOLDER / "starts.csv")
+    assert len(starts) == sum(CONFIG["matching"]["starts"])
+    accepted = starts[starts["accepted"]].sort_values("misfit", kind="stable")
+    assert np.allclose(accepted[list(NAMES)], pd.DataFrame(EXPERIMENTS)[list(NAMES)], rtol=0, atol=0)
+
+
+def test_units_are_those_of_the_file():
+    assert experiment_units(FOLDER / "accepted.csv") == {one["experiment"]: one["unit"] for one in EXPERIMENTS}
+
+
+@pytest.mark.parametrize("hypothesis", [HYPOTHESES[0], HYPOTHESES[6]], ids=["further", "in b"])
+def test_places_of_the_cube_are_experiments_of_their_hypothesis(hypothesis):
+    low, high = (
+        hypothesis.values(np.full(len(hypothesis.unknowns), share), {"seed": 3}, published()) for share in (0.0, 1.0)
+    )
+    for name in ("duration_s", "t1_bands", "t4_amplitude2", "stribeck1"):
+        assert (low[name], high[name]) == pytest.approx(RANGES[name], rel=1e-5)
+    assert low["unit"] == hypothesis.unit
+    assert (high["viscous2"] == 0.0) == hypothesis.back_emf_in_b
+    assert (set(VISCOUS) <= set(hypothesis.unknowns)) != hypothesis.back_emf_in_b
+
+
+def test_back_emf_is_added_to_the_friction_of_the_family():
+    values = {**EXPERIMENTS[0], "viscous1": 0.07, "viscous2": 0.11}
+    true = experiment_of(values, CONFIG).true
+    assert true - [values[name] for name in NAMES] == pytest.approx([0, 0, 0, 0, 0, 0.07, 0.11, 0, 0], abs=1e-12)
+
+
+def test_only_a_changed_motion_is_recorded_again(monkeypatch):
+    problem = Problem(CONFIG, HYPOTHESES[0], np.random.default_rng(2))
+    place = np.full(len(HYPOTHESES[0].unknowns), 0.4)
+    terms = problem.terms(place)
+    assert len(terms) == TERMS
+    recorded = []
+    original = problem._recorded
+    monkeypatch.setattr(problem, "_recorded", lambda *a: recorded.append(a[0]) or original(*a))
+    problem._record.cache_clear()
+    problem._record = __import__("functools").lru_cache(problem._recorded)
+    problem.terms(place)
+    place[HYPOTHESES[0].unknowns.index("t3_levels")] = 0.5
+    changed = problem.terms(place)
+    assert recorded == ["ID", "T1", "T2", "T3", "T4", "T3"]
+    assert 0 < np.sum(changed != terms) <= 10
+
+
+def test_what_cannot_be_built_has_the_largest_misfit():
+    problem = Problem(CONFIG, HYPOTHESES[0], np.random.default_rng(2))
+    place = np.full(len(HYPOTHESES[0].unknowns), 0.4)
+    place[HYPOTHESES[0].unknowns.index("k1")] = 3.0  # more friction than the appendix has
+    assert (problem.terms(place) == IMPOSSIBLE).all()
