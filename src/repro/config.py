@@ -133,6 +133,8 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str,
     if sorted(set(levels)) != levels or levels[-1] > arms / (arms + 1):
         expected = f"rising shares that {arms} arms can calibrate, {arms / (arms + 1):.4g} at most"
         yield "coverage.levels coverage.arms", expected
+    if config["accepted"]["further_guesses"][0] <= config["accepted"]["guesses"][-1]:
+        yield "accepted.further_guesses accepted.guesses", "more guesses than the largest of `guesses`"
     if len(config["spread"]["seeds"]) % config["spread"]["arms"]:
         yield "spread.arms spread.seeds", "as many specimens of every arm"
     first, second = arm["link_lengths_m"]

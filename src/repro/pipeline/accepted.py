@@ -96,6 +96,8 @@ def read_experiments(path: Path) -> pd.DataFrame:
 
 
 def experiment_units(path: Path) -> dict[int, str]:
-    """Unit of omega of each accepted experiment by its number."""
+    """Unit of omega of each accepted experiment by its number; none where there is no such file."""
+    if not path.is_file():
+        return {}
     table = read_experiments(path)
     return dict(zip(table["experiment"].tolist(), table["unit"].tolist(), strict=True))
