@@ -69,7 +69,7 @@ def plan(folder, targets, *files):
 @pytest.fixture(scope="module")
 def full(tmp_path_factory):
     """The default workflow, with every target."""
-    return plan(project(tmp_path_factory.mktemp("full")), {*COLLECTIONS, "study", "synthesise_board"})
+    return plan(project(tmp_path_factory.mktemp("full")), {*COLLECTIONS, "study", "synthesise_board", "match"})
 
 
 @contextmanager
