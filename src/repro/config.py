@@ -64,6 +64,8 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     if round(signals["duration_s"] / signals["sampling_period_s"]) <= signals["image_samples"]:
         expected = f"a run of more than image_samples ({signals['image_samples']}) sampling periods"
         yield "signals.duration_s signals.sampling_period_s", expected
+    if config["accepted"]["further_guesses"][0] <= config["accepted"]["guesses"][-1]:
+        yield "accepted.further_guesses accepted.guesses", "more guesses than the largest of `guesses`"
     yield from _folder_contradictions(config)
     yield from _experiment_contradictions(config)
     if not 1 <= round(paper["train_share"] * paper["images"]) < paper["images"]:
@@ -133,8 +135,6 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str,
     if sorted(set(levels)) != levels or levels[-1] > arms / (arms + 1):
         expected = f"rising shares that {arms} arms can calibrate, {arms / (arms + 1):.4g} at most"
         yield "coverage.levels coverage.arms", expected
-    if config["accepted"]["further_guesses"][0] <= config["accepted"]["guesses"][-1]:
-        yield "accepted.further_guesses accepted.guesses", "more guesses than the largest of `guesses`"
     if len(config["spread"]["seeds"]) % config["spread"]["arms"]:
         yield "spread.arms spread.seeds", "as many specimens of every arm"
     first, second = arm["link_lengths_m"]
