@@ -4,7 +4,7 @@ import itertools
 
 import pandas as pd
 
-from repro.pipeline.guesses import GUESSES
+from repro.pipeline.accepted import GUESSES
 from repro.signals.programs import PROGRAMS
 
 UNITS = {3: "index", 5: "index", 8: "rad_per_s", 9: "rad_per_s"}

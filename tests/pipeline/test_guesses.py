@@ -10,8 +10,8 @@ from experiment_example import full_config
 
 from repro.cnn.network import FactoredCNN, save_network
 from repro.identification.algorithm1.search import SearchSettings, search_in_turn, select
-from repro.pipeline.accepted import experiment_of, read_experiments
-from repro.pipeline.guesses import recordings_of, search_accepted, simulate_accepted
+from repro.pipeline.accepted import experiment_of, read_experiments, recordings_of, simulate_accepted
+from repro.pipeline.guesses import search_accepted
 from repro.pipeline.identifications import prepare_recording
 from repro.signals.metric import metr2ev
 from repro.signals.programs import PROGRAMS

@@ -5,6 +5,7 @@ import numpy as np
 import torch
 from experiment_example import full_config
 
+from repro.cnn import reader
 from repro.cnn.dataset import DataSettings
 from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
@@ -51,8 +52,9 @@ def test_the_mean_torque_is_that_of_the_seed_s_arms():
     assert (first == again).all() and (first != other).all()
 
 
-def test_a_perfect_network_finds_every_arm():
+def test_a_perfect_network_finds_every_arm(monkeypatch):
     """It uses the model of the exact trajectory, so the filter's error remains."""
+    monkeypatch.setattr(reader, "Reader", lambda network, v: lambda u: network(u, v[None]))
     motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
     network = PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
     found = identify(network)

@@ -55,7 +55,7 @@ DIRECT = [*map(Requirement, PYPROJECT["project"]["dependencies"]), *EXTRAS["cnn"
 
 def test_every_file_of_the_package_is_installed():
     folder, patterns = ROOT / "src/repro", PYPROJECT["tool"]["setuptools"]["package-data"]["repro"]
-    others = {path for path in folder.rglob("*.*") if path.suffix not in (".py", ".pyc")}
+    others = {path for path in folder.rglob("*.*") if path.suffix != ".py" and "__pycache__" not in path.parts}
     assert others == {path for pattern in patterns for path in folder.glob(pattern)}
 
 

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 RULES = "".join(file.read_text(encoding="utf-8") for file in (ROOT / "workflow" / "rules").glob("*.smk"))
 #: Modules of functions that rules call, and those that run a network.
 CALLED = set(re.findall(r'"(repro[\w.]+):\w+"', RULES))
-WITH_NETWORK = {"repro.pipeline.networks", "repro.pipeline.coverage", "repro.study.readers"}
+WITH_NETWORK = {"repro.pipeline.networks", "repro.pipeline.coverage", "repro.pipeline.guesses", "repro.study.readers"}
 SCRIPTS = (ROOT / "workflow" / "scripts").glob("*.py")
 #: What the Snakefile and the command line load.
 LOADED = ("job", "provenance", "experiment", "factorial", "interpretations", "stored_networks")

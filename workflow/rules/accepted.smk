@@ -45,7 +45,7 @@ rule simulate_accepted:
     output:
         out=f"{R}/accepted/recordings.safetensors",
     params:
-        *call("repro.pipeline.guesses:simulate_accepted"),
+        *call("repro.pipeline.accepted:simulate_accepted"),
         config=sections("signals", "board", "experiment"),
     message:
         "Simulating the accepted experiments"

@@ -15,8 +15,7 @@ from repro.exhibits.markup import Block, Column, Table, Text, digits, grid, layo
 from repro.exhibits.result_tables import heading_of, methods_of
 from repro.files import read_csv
 from repro.paper.published import load_published
-from repro.pipeline.accepted import SETTINGS
-from repro.pipeline.guesses import GUESSES
+from repro.pipeline.accepted import GUESSES, SETTINGS
 from repro.pipeline.job import Config
 from repro.signals.programs import PROGRAMS, SPAN
 
@@ -265,7 +264,7 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
             axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
         published = 100.0 * own.loc[own["method"] == "published", "total"].iloc[0]
         axes.axhline(published, color=style.INK, lw=1.4, label="Published, Algorithm 1")
-        axes.set(title=title, xscale="log", xlabel="Guesses", ylim=(40.0, 100.0))
+        axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(40.0, 100.0))
     panels[0].set_ylabel("Total similarity (%)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
 

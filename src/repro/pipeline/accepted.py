@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from repro.files import read_csv
-from repro.fpga.plant import Unmodelled
+from repro.files import read_csv, read_tensors, write_tensors
+from repro.fpga.controller import simulate
+from repro.fpga.plant import Plant, Unmodelled
 from repro.model.dynamics import ArmGeometry
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.experiment import identification_settings
+from repro.pipeline.experiment import Recording, control_constants, identification_settings
 from repro.pipeline.job import Config
+from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.dct import SignalSettings
 from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, reference_trajectory
@@ -27,6 +29,11 @@ SETTINGS = (
     *("ripple1", "ripple2", "ripple_cycles", "ripple_phase1", "ripple_phase2", "load_friction1", "load_friction2"),
     *("seed", "t1_samples", "t1_bands", "t2_samples", "t2_turns", "t2_centre", "t3_samples", "t3_levels"),
     *("t4_samples", "t4_amplitude1", "t4_amplitude2", "t4_frequency1", "t4_frequency2"),
+)
+#: Columns of the scores of an experiment.
+GUESSES = (
+    *("experiment", "unit", "method", "seed", "guesses", "met", "similarity"),
+    *("case", "joint", "time", "frequency", "total"),
 )
 REACH = 0.315  # l1 + l2, m: 2.52 m/s at 8 rad/s (Section III)
 
@@ -93,6 +100,37 @@ def experiment_of(values: Mapping[Hashable, Any], config: Config) -> Experiment:
 def read_experiments(path: Path) -> pd.DataFrame:
     """Read the accepted experiments, the one with the smallest misfit first."""
     return read_csv(path, ("experiment", *NAMES, *SETTINGS))
+
+
+def simulate_accepted(experiments: Path, out: Path, config: Config) -> None:
+    """Simulate every accepted experiment on all motions, as one batch by the quick method, and keep the counts."""
+    each = [experiment_of(row, config) for row in read_experiments(experiments).to_dict("records")]
+    programs = [one.program(name) for name in PROGRAMS for one in each]
+    longest = max(program.q.shape[1] for program in programs)
+    desired = np.stack([np.pad(p.q, ((0, 0), (0, longest - p.q.shape[1])), mode="edge") for p in programs])
+    arms = np.tile([one.true for one in each], (len(PROGRAMS), 1))
+    effects, phases = (
+        [one.effects for one in each] * len(PROGRAMS),
+        np.tile([x.phase for x in each], (len(PROGRAMS), 1)),
+    )
+    plant = Plant(arms, programs[0].h, effects, phases, quick=True)
+    position, pwm = simulate(plant, control_constants(config), desired, Progress("simulating accepted experiments"))
+    write_tensors(out, {"position": position, "pwm": pwm})
+
+
+def recordings_of(experiment: Experiment, place: int, counts: Path, config: Config) -> list[Recording]:
+    """Recordings of the experiment at a place of the file, ID first."""
+    kept, _ = read_tensors(counts, "recordings of the accepted experiments")
+    position, pwm = (
+        kept[name].reshape(len(PROGRAMS), -1, *kept[name].shape[1:])[:, place] for name in ("position", "pwm")
+    )
+    recordings = []
+    for k, name in enumerate(PROGRAMS):
+        program = experiment.program(name)
+        own = np.s_[k, :, : program.q.shape[1]]
+        sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))
+        recordings.append(Recording.of_counts(sent, position[own], pwm[own], config))
+    return recordings
 
 
 def experiment_units(path: Path) -> dict[int, str]:

@@ -118,6 +118,7 @@ def board_from_config(config: Config, seed: int | None = None, make: type[Board]
     levels, phase = disturbance(config, seed)
     stated = {name: config["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
     effects = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(levels).items()}
+    del effects["load_friction"]  # this arm has none
     identity = {"board": "simulated", "arm": {**stated, **effects, "ripple_phase": phase.tolist(), "seed": seed}}
     return make(lambda: Plant(beta, h, levels, phase), control_constants(config).torque_per_count, identity)
 

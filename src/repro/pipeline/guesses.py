@@ -1,6 +1,5 @@
 """Algorithm 1 and least squares over the accepted experiments, by the number of guesses."""
 
-from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -8,15 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from repro.files import read_tensors, write_tensors
-from repro.fpga.controller import simulate
-from repro.fpga.plant import Plant
 from repro.identification.algorithm1.search import ImageMotion, ResidualEstimator, search_in_turn, select
 from repro.identification.least_squares import METHODS
 from repro.identification.method import BASELINES
 from repro.model.parameters import Array
-from repro.pipeline.accepted import Experiment, experiment_of, read_experiments
-from repro.pipeline.experiment import Recording, control_constants
+from repro.pipeline.accepted import GUESSES, experiment_of, read_experiments, recordings_of
 from repro.pipeline.identifications import prepare_recording
 from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
@@ -28,41 +23,6 @@ from repro.streams import Stream, stream
 
 #: Motion of line 18 by the name of the method.
 METHOD_MOTIONS: dict[str, ImageMotion] = {"algorithm1": "measured", "algorithm1+desired": "desired"}
-GUESSES = (
-    *("experiment", "unit", "method", "seed", "guesses", "met", "similarity"),
-    *("case", "joint", "time", "frequency", "total"),
-)
-
-
-def simulate_accepted(experiments: Path, out: Path, config: Config) -> None:
-    """Simulate every accepted experiment on all motions, as one batch by the quick method, and keep the counts."""
-    each = [experiment_of(row, config) for row in read_experiments(experiments).to_dict("records")]
-    programs = [one.program(name) for name in PROGRAMS for one in each]
-    longest = max(program.q.shape[1] for program in programs)
-    desired = np.stack([np.pad(p.q, ((0, 0), (0, longest - p.q.shape[1])), mode="edge") for p in programs])
-    arms = np.tile([one.true for one in each], (len(PROGRAMS), 1))
-    effects, phases = (
-        [one.effects for one in each] * len(PROGRAMS),
-        np.tile([x.phase for x in each], (len(PROGRAMS), 1)),
-    )
-    plant = Plant(arms, programs[0].h, effects, phases, quick=True)
-    position, pwm = simulate(plant, control_constants(config), desired, Progress("simulating accepted experiments"))
-    write_tensors(out, {"position": position, "pwm": pwm})
-
-
-def recordings_of(experiment: Experiment, place: int, counts: Path, config: Config) -> list[Recording]:
-    """Recordings of the experiment at a place of the file, ID first."""
-    kept, _ = read_tensors(counts, "recordings of the accepted experiments")
-    position, pwm = (
-        kept[name].reshape(len(PROGRAMS), -1, *kept[name].shape[1:])[:, place] for name in ("position", "pwm")
-    )
-    recordings = []
-    for k, name in enumerate(PROGRAMS):
-        program = experiment.program(name)
-        own = np.s_[k, :, : program.q.shape[1]]
-        sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))
-        recordings.append(Recording.of_counts(sent, position[own], pwm[own], config))
-    return recordings
 
 
 def search_accepted(number: int, experiments: Path, counts: Path, weights: Path, config: Config) -> pd.DataFrame:
