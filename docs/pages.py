@@ -246,7 +246,10 @@ COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_f
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
 TABLES |= {
     name: partial(laid_out, name)
-    for name in ("factorial", "board_size", "study_claims", "study_expectations", "study_levels")
+    for name in (
+        *("accepted", "factorial", "hypotheses", "board_size"),
+        *("study_claims", "study_expectations", "study_levels"),
+    )
 }
 #: Field of a class of settings: comment above it, name, comment next to it.
 FIELD = re.compile(r"((?:^    #: .*\n)*)^    (\w+): [^=\n]+ = .+?(?:  # (.+))?$", re.MULTILINE)
