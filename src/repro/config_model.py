@@ -391,6 +391,9 @@ class Accepted(Section):
         "further budgets of Algorithm 1 as listed", "guesses", allowed="rising, above `guesses`"
     )
     further_experiments: Whole = key("number of experiments, from the first, that get them", "experiments")
+    extension_experiments: Whole = key(
+        "number of experiments, from the first, on which f of line 18 is on the desired motion, too", "experiments"
+    )
     seeds: Seeds = key("guesses of Algorithm 1: one search each")
 
 

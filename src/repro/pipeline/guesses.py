@@ -49,6 +49,8 @@ def search_accepted(number: int, experiments: Path, counts: Path, weights: Path,
     add(experiment.true, method="true", **none)
     algorithm1 = for_the_arm(algorithm1_of("published", weights, config), config)
     for (name, motion), seed in chain((each, seed) for each in METHOD_MOTIONS.items() for seed in a["seeds"]):
+        if name != "algorithm1" and place >= a["extension_experiments"]:
+            continue
         further = a["further_guesses"] if name == "algorithm1" and place < a["further_experiments"] else []
         budgets = [*a["guesses"], *further]
         prepared = prepare_recording(recordings[0], None, experiment.signals, motion)
