@@ -31,7 +31,7 @@ from repro.files import write_csv, write_json
 
 PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
 #: Targets that `all` does not make: what they made is kept from their own run if another one has none.
-ASKED_FOR = ("ablation", "paper_recipe", "factorial")
+ASKED_FOR = ("ablation", "paper_recipe", "factorial", "accepted")
 
 
 def _git(folder: Path, *arguments: str) -> str | None:
