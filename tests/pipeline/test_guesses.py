@@ -13,6 +13,7 @@ from repro.identification.algorithm1.search import SearchSettings, search_in_tur
 from repro.pipeline.accepted import experiment_of, read_experiments, recordings_of, simulate_accepted
 from repro.pipeline.guesses import search_accepted
 from repro.pipeline.identifications import prepare_recording
+from repro.settings import network_settings
 from repro.signals.metric import metr2ev
 from repro.signals.programs import PROGRAMS
 
@@ -87,13 +88,9 @@ def test_scores_of_an_experiment(accepted, prepared):
     experiment, recordings, _ = prepared
     number = int(read_experiments(accepted / "accepted.csv")["experiment"].iloc[1])
     torch.manual_seed(3)
-    config = {
-        **CONFIG,
-        "accepted": {**CONFIG["accepted"], "guesses": [20, 60], "further_guesses": [90], "seeds": [2, 5]},
-    }
+    budgets = {"guesses": [20, 60], "further_guesses": [90], "further_experiments": 2, "seeds": [2, 5]}
+    config = {**CONFIG, "accepted": {**CONFIG["accepted"], **budgets, "extension_experiments": 2}}
     weights = accepted / "weights.safetensors"
-    from repro.settings import network_settings  # noqa: PLC0415
-
     save_network(weights, FactoredCNN(network_settings(config)), {"made": "by hand"})
     table = search_accepted(number, accepted / "accepted.csv", accepted / "counts.safetensors", weights, config)
     assert set(table["experiment"]) == {number}
@@ -101,6 +98,10 @@ def test_scores_of_an_experiment(accepted, prepared):
         "algorithm1": 60,  # 2 seeds, 3 budgets
         "algorithm1+desired": 40, "least-squares": 10, "bounded": 10, "consistent": 10, "true": 10,
     }  # fmt: skip
+    config["accepted"] |= {"further_experiments": 1, "extension_experiments": 1}  # it is the second
+    fewer = search_accepted(number, accepted / "accepted.csv", accepted / "counts.safetensors", weights, config)
+    assert fewer.groupby("method").size()["algorithm1"] == 40
+    assert "algorithm1+desired" not in set(fewer["method"])
     true = table[(table["method"] == "true") & (table["case"] == "T3")].sort_values("joint")
     r = recordings[PROGRAMS.index("T3")].regression(experiment.signals)
     expected = metr2ev(r.tau, r.y @ experiment.true)
