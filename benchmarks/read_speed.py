@@ -1,8 +1,8 @@
 """Reading guesses of one torque, and a whole search, against the plain way, on one thread.
 
-The plain way reads by `FactoredCNN.forward`, which casts, lays out and multiplies anew for every batch. Both take turns
-in one process; ratios are of the shortest times. Without native bfloat16 leave it out, ``--precision float32``: PyTorch
-then emulates it.
+The plain way reads by `FactoredCNN.forward`, which casts, lays out and multiplies again for every batch. Both take
+turns in one process; ratios are of the shortest times. Without native bfloat16 leave it out, ``--precision float32``:
+PyTorch then emulates it.
 """
 
 import argparse

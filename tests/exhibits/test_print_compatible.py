@@ -26,6 +26,7 @@ def test_rows_of_methods_and_budgets(scores):
     # Experiments 3, 5, 8 and 9 are at 0.88 - 0.008, 0, + 0.012 and + 0.016.
     assert listed["mean_median"] == pytest.approx(0.886)
     assert listed["wins"] == 1  # least squares is at 0.895, the mean of its joints
+    assert (listed["wins_low"], listed["wins_high"]) == pytest.approx((0.0063, 0.8059), abs=1e-4)  # Clopper and Pearson
     assert listed["met"] == pytest.approx(4.0)  # seeds 2, 6, 7
     assert table.loc[("index", "algorithm1", 100_000), "wins"] == 0
     assert table.loc[("rad_per_s", "algorithm1+desired", 100_000), "wins"] == 2

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from repro.matching import search
 from repro.matching.evidence import MAX_OVER_BOUND, MAX_TOTALS_RMS, MAX_TRACKING_DISTANCE, outcome_of, published
 from repro.matching.search import IMPOSSIBLE, TERMS, Problem, misfit_table
 from repro.matching.unknowns import HYPOTHESES, RANGES, VISCOUS
@@ -77,16 +78,13 @@ def test_back_emf_is_added_to_the_friction_of_the_family():
 
 
 def test_only_a_changed_motion_is_recorded_again(monkeypatch):
+    recorded = []
+    original = search.record_motion
+    monkeypatch.setattr(search, "record_motion", lambda *given: recorded.append(given[1]) or original(*given))
     problem = Problem(CONFIG, HYPOTHESES[0], np.random.default_rng(2))
     place = np.full(len(HYPOTHESES[0].unknowns), 0.4)
     terms = problem.terms(place)
     assert len(terms) == TERMS
-    recorded = []
-    original = problem._recorded
-    monkeypatch.setattr(problem, "_recorded", lambda *a: recorded.append(a[0]) or original(*a))
-    problem._record.cache_clear()
-    problem._record = __import__("functools").lru_cache(problem._recorded)
-    problem.terms(place)
     place[HYPOTHESES[0].unknowns.index("t3_levels")] = 0.5
     changed = problem.terms(place)
     assert recorded == ["ID", "T1", "T2", "T3", "T4", "T3"]

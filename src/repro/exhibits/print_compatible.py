@@ -148,7 +148,7 @@ def accepted_layout(frame: pd.DataFrame) -> Table:
         ("ID, joint 2", "r", partial(_range, name="id2")),
         (MEAN, "r", partial(_range, name="mean")),
         ("Inside", "r", lambda row: plain(f"{row['inside']:.0f} of {row['cells']:.0f}")),
-        ("Above LS", "r", _share("wins")),
+        ("Above LS", "r", _wins),
         ("Met", "r", digits("met", 1)),
     ]
     order = {method: place for place, method in enumerate(methods_of(frame))}
@@ -163,15 +163,10 @@ def accepted_layout(frame: pd.DataFrame) -> Table:
     return grid(caption, columns, [(None, rows.sort_values(["place", "guesses"], kind="stable"))])
 
 
-def _share(name: str) -> Any:  # noqa: ANN401
+def _wins(row: Mapping[Hashable, Any]) -> Text:
     """Cell of a share with its interval."""
-
-    def cell(row: Mapping[Hashable, Any]) -> Text:
-        k, n = int(row[name]), int(row["experiments"])
-        interval = binomtest(k, n).proportion_ci()
-        return plain(f"{k} of {n} ({100 * interval.low:.0f} to {100 * interval.high:.0f} %)")
-
-    return cell
+    low, high = 100.0 * row["wins_low"], 100.0 * row["wins_high"]
+    return plain(f"{row['wins']:.0f} of {row['experiments']:.0f} ({low:.0f} to {high:.0f} %)")
 
 
 @_table("Algorithm 1 over the accepted experiments", accepted_layout)
@@ -200,8 +195,10 @@ def accepted_table(inputs: Inputs, _: Config) -> pd.DataFrame:
         )
         inside = own.loc[own["case"] != MEAN, "inside"]
         counts = {"inside": int(inside.sum()), "cells": len(inside), "wins": int(wins["above"].sum())}
+        share = binomtest(counts["wins"], len(wins)).proportion_ci()
+        interval = {"wins_low": share.low, "wins_high": share.high}
         labels = {"unit": unit, "method": method, "guesses": guesses, "experiments": len(wins)}
-        rows.append({**labels, **values, **counts, "met": float(ends["met"].mean())})
+        rows.append({**labels, **values, **counts, **interval, "met": float(ends["met"].mean())})
     return pd.DataFrame(rows)
 
 

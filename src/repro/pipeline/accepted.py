@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -48,11 +47,6 @@ class Experiment:
     signals: SignalSettings  # with the unit of omega
     trajectories: TrajectorySettings
     seed: int  # of T1
-
-    @cached_property
-    def programs(self) -> dict[str, ReferenceTrajectory]:
-        """Motions as the board plays them."""
-        return {name: self.program(name) for name in PROGRAMS}
 
     def program(self, name: str) -> ReferenceTrajectory:
         """One motion; of T1 the first that its seed draws."""

@@ -141,8 +141,7 @@ def _execute(
         beta_n = np.stack([streams[k].uniform(settings.low, settings.high, 9) for k in running])  # line 17
         beta = estimator.estimate(beta_n)  # lines 18 to 21
         ok = possible(beta)  # line 22; what fails is beta = 0 with n_e = 0 (lines 23, 24)
-        n_e = np.zeros(len(beta))
-        n_e[ok] = score(beta[ok]).total.mean(-1)  # lines 26, 27
+        n_e = _similarity(score, beta, ok)
         met = n_e >= settings.threshold
         yield Candidates(beta[ok], n_e[ok], int(met.sum()))  # line 29
         running = running[~met]  # line 28 is the loop's own count
@@ -165,9 +164,8 @@ def search_in_turn(
         while done < budget and met < settings.executions:
             guess = rng.uniform(settings.low, settings.high, (min(BATCH, budget - done), 9))
             beta = estimator.estimate(guess)
-            n_e = np.zeros(len(beta))
             ok = possible(beta)
-            n_e[ok] = score(beta[ok]).total.mean(-1)
+            n_e = _similarity(score, beta, ok)
             ends = np.flatnonzero(n_e >= settings.threshold)[: settings.executions - met]
             if met + len(ends) == settings.executions:
                 ok[ends[-1] + 1 :] = False  # nothing is drawn after the last execution
@@ -178,6 +176,13 @@ def search_in_turn(
                 found = [_most_similar(found)]
         found = [_most_similar(found)]
         yield found[0]
+
+
+def _similarity(score: TorqueScorer, beta: Array, ok: NDArray[np.bool_]) -> Array:
+    """Lines 26 and 27: n_e of estimates (n, 9), zero for those that are not possible."""
+    n_e = np.zeros(len(beta))
+    n_e[ok] = score(beta[ok]).total.mean(-1)
+    return n_e
 
 
 def _most_similar(parts: list[Candidates]) -> Candidates:
