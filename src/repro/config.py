@@ -14,6 +14,7 @@ from repro.errors import InputError
 from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.parameters import is_positive_definite
 from repro.signals.programs import MEMORY_SAMPLES
+from repro.signals.validation_motions import CIRCLE_RADIUS
 
 _ABSENT = object()
 
@@ -24,8 +25,6 @@ CONFIGURATION = "a configuration file"
 _OWN = {"benchmarks", "build", "config", "data", "docs", "envs", "profiles", "src", "tests", "workflow"}
 #: Folders of the system; nor are those directly below its root a run's.
 _SYSTEM = {"bin", "boot", "dev", "etc", "lib", "lib32", "lib64", "proc", "run", "sbin", "sys", "usr"}
-#: Nearest that the circle of T2 comes to joint 1, over the arm's reach.
-NEAREST = 0.7
 #: Check sums of the stored captures, which the ledger is made from.
 SUMS = "SHA256SUMS"
 #: Largest number that the board's memory holds.
@@ -124,8 +123,8 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str,
     if not 1 <= lead_in <= edges < MEMORY_SAMPLES:
         expected = f"at least one sampling period ({h} s) of lead-in, with both margins below {MEMORY_SAMPLES * h:g} s"
         yield edges_at, expected
-    durations = {f"spread.durations_s.{k}": duration for k, duration in enumerate(config["spread"]["durations_s"])}
-    for place, duration in ({"signals.duration_s": signals["duration_s"]} | durations).items():
+    for section in ("signals", "experiment"):
+        place, duration = f"{section}.duration_s", config[section]["duration_s"]
         if round(duration / h) + edges > MEMORY_SAMPLES:
             longest = f"{(MEMORY_SAMPLES - edges) * h:g} s with this lead-in and margin"
             yield f"{place} {edges_at}", f"a motion that the board's memory holds, {longest}"
@@ -135,17 +134,14 @@ def _experiment_contradictions(config: Mapping[str, Any]) -> Iterator[tuple[str,
     if sorted(set(levels)) != levels or levels[-1] > arms / (arms + 1):
         expected = f"rising shares that {arms} arms can calibrate, {arms / (arms + 1):.4g} at most"
         yield "coverage.levels coverage.arms", expected
-    if len(config["spread"]["seeds"]) % config["spread"]["arms"]:
-        yield "spread.arms spread.seeds", "as many specimens of every arm"
     first, second = arm["link_lengths_m"]
-    if abs(first - second) > NEAREST * (first + second):
+    if abs(first - second) > (experiment["t2"]["centre"] - CIRCLE_RADIUS) * (first + second):
         yield "arm.link_lengths_m", "links of which the shorter one reaches the circle of T2"
     for gain in ("kp_nm_per_rad", "kv_nm_per_rad"):
         if max(g * PWM_LIMIT / t for g, t in zip(board[gain], board["full_torque_nm"], strict=True)) > LARGEST:
             yield f"board.{gain}", "gains that single precision holds"
-    for place in ("arm.parameters", "factorial.second_arm", "factorial.confirmation_arm"):
-        if not is_positive_definite(np.array(_at(config, tuple(place.split("."))), dtype=np.float64)):
-            yield place, "an inertia matrix that is positive definite in every pose"
+    if not is_positive_definite(np.array(arm["parameters"], dtype=np.float64)):
+        yield "arm.parameters", "an inertia matrix that is positive definite in every pose"
 
 
 def capture_files(config: Mapping[str, Any], motion: str) -> list[str]:

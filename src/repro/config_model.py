@@ -57,6 +57,7 @@ Rising = Annotated[list[Count], Field(min_length=1), AfterValidator(_rising)]
 Seeds = Annotated[list[Seed], Field(min_length=1, max_length=1000), Unique]
 Joints = Annotated[list[Positive], Pair]
 JointLevels = Annotated[list[Level], Pair]
+MotionSamples = Annotated[int, Field(ge=101, le=8192)]
 NineParameters = Annotated[list[Positive], Field(min_length=9, max_length=9)]
 #: Relative to the project, without "." and ".." as names.
 Folder = Annotated[
@@ -239,7 +240,6 @@ class Numeric(Section):
 
     seeds: Seeds = key("one repetition of the experiment each; a table shows the median one")
     margin_samples: MemorySamples = key("recorded before and after, removed by **cut**", "samples", "line 4")
-    validation_frequency_reading: FrequencyUnit = key("omega of the random motion", source="Eq. 14, Section V-B")
     validation_samples: Annotated[int, Field(ge=2, le=1_000_000)] = key("length of it", "samples", "Fig. 16, Table 7")
     arms: NumericArms = key("test arms N1 to N4, in SI units", "", "published: Tables 4, 5", "9 numbers each")
 
@@ -255,18 +255,19 @@ class Arm(Section):
     """The arm behind the simulated board."""
 
     parameters: NineParameters = key(
-        "I1, I2, I3 (kg m^2); g1, g2 (N m); b1, b2 without back-EMF (N m s/rad); k1, k2 (N m)",
+        "I1, I2, I3 (kg m^2); g1, g2 (N m); b1, b2 (N m s/rad); k1, k2 (N m)",
         source="Appendix A, Tables 8, 10",
         allowed="M(q) positive definite",
     )
     link_lengths_m: Joints = key("l1, l2: where the tip is", "m", "Section III", "within reach of the circle of T2")
-    back_emf_nm_s_per_rad: Level = key("k_e of both motors' back-EMF -k_e dq", "N m s/rad", "Table 10")
+    further_viscous_nm_s_per_rad: JointLevels = key("viscous friction that b1, b2 do not have", "N m s/rad", "Table 10")
     stribeck: JointLevels = key("share by which Coulomb friction is higher near standstill", "", "Table 10")
-    stribeck_velocity_rad_s: Positive = key("velocity over which that share fades", "rad/s", "ours")
+    stribeck_velocity_rad_s: Positive = key("velocity over which that share fades", "rad/s", "Table 10")
     ripple_nm: JointLevels = key("amplitude of a torque that turns with each joint", "N m", "Table 10")
-    ripple_cycles: Level = key("its cycles in a turn of the joint", "1/turn", "ours")
+    ripple_cycles: Level = key("its cycles in a turn of the joint", "1/turn", "Table 10")
+    ripple_phase_rad: JointLevels = key("its phase", "rad", "drawn, not fitted")
+    load_friction: JointLevels = key("Coulomb friction for each N m of commanded torque", "", "Table 10")
     dead_band_counts: Annotated[int, Field(ge=0, le=1022)] = key("PWM that does not move a motor", "counts", "ours")
-    variation: Share = key("v: a specimen's levels are these times a number from 1 - v to 1 + v", source="ours")
 
 
 class Board(Section):
@@ -281,6 +282,40 @@ class Board(Section):
     speed_limit_rad_s: Positive = key("a faster motion is not sent", "rad/s", "published: Section III")
 
 
+class RandomMotion(Section):
+    """T1: uniform random numbers, filtered by Eq. 14."""
+
+    samples: MotionSamples = key("its length", "samples", "Fig. 22, 23")
+    bands: Annotated[float, Field(ge=0.1, le=1e9)] = key(
+        "DCT-II band where its filter has a gain of 1/e", "bands", "Eq. 14, Table 10"
+    )
+    range_rad: Positive = key("range, between minus and plus this", "rad", "published: Section VI")
+    range_of: RangeOf = key("what has it: the filtered motion, or the numbers before the filter", source="Section VI")
+
+
+class CircleMotion(Section):
+    """T2: a circle of the tip."""
+
+    samples: MotionSamples = key("its length", "samples", "Fig. 22, 23")
+    turns: Positive = key("turns of the circle", "turns", "Table 10")
+    centre: Annotated[float, Field(ge=0.1, le=0.9)] = key("distance of its centre from joint 1", "reach", "Table 10")
+
+
+class ProfileMotion(Section):
+    """T3: moves from rest to rest."""
+
+    samples: MotionSamples = key("its length", "samples", "Fig. 22, 23")
+    levels: Positive = key("factor of its levels", "", "Table 10")
+
+
+class SinusoidalMotion(Section):
+    """T4: a sinusoid for each joint."""
+
+    samples: MotionSamples = key("its length", "samples", "Fig. 22, 23")
+    amplitude_rad: Joints = key("amplitude of each joint", "rad", "Table 10")
+    frequency_hz: Joints = key("frequency of each joint", "Hz", "Table 10")
+
+
 class Experiment(Section):
     """The experiment of Section V-C."""
 
@@ -290,20 +325,19 @@ class Experiment(Section):
     captures: Folder = key("folder of the stored captures: ID, T1 to T4, each `.bin` and `.json`")
     port: Annotated[str, Field(min_length=1)] = key("device or URL, as pyserial opens it: `socket://host:port`")
     baud: Count = key("speed of that port", "bit/s", "ours")
-    seed: Seed = key("seed of the random motion T1 and of the specimen of the simulated arm")
     lead_in_s: Positive = key(
         "time from the hanging arm onto the trajectory", "s", "ours", "a sampling period at least"
     )
     margin_samples: MemorySamples = key("recorded before and after, removed by **cut**", "samples", "line 4")
-    validation_samples: Annotated[int, Field(ge=101, le=8192)] = key("length of T1 to T4", "samples", "Fig. 22, 23")
-    random_range_rad: Positive = key("range of T1, between minus and plus this", "rad", "published: Section VI")
-    random_range_of: RangeOf = key("the filtered motion, or the numbers before the filter", source="Section VI")
-    random_bands: Annotated[float, Field(ge=0.1, le=1e9)] = key(
-        "DCT-II band where the filter of T1 has a gain of 1/e", "bands", "Eq. 14, Table 10"
-    )
     torque_share: Annotated[float, Field(gt=0, le=1)] = key(
         "share of `board.full_torque_nm` that a motion may require of the nominal arm", source="ours"
     )
+    duration_s: Positive = key("length of ID", "s", "Tables 8, 10", "what the board's memory holds")
+    seed: Seed = key("seed of the random motion T1", source="drawn, not fitted")
+    t1: RandomMotion
+    t2: CircleMotion
+    t3: ProfileMotion
+    t4: SinusoidalMotion
     threshold: Share = key("d_u for the arm", source="published: lines 8, 16; Section VI")
     search_seeds: Seeds = key("one run of Algorithm 1 and its refinement each; a table shows the median one")
 
@@ -324,13 +358,9 @@ class PlainNetwork(PosteriorNetwork):
 
 
 class Factorial(Section):
-    """The factorial on simulated specimens."""
+    """The factorial over accepted experiments."""
 
-    specimens: Seeds = key("blocks: specimens, in turn of the arm of section `arm` and of `second_arm`")
-    second_arm: NineParameters = key("another arm that gives every number of Appendix A, as `arm.parameters`")
-    confirmation_arm: NineParameters = key("arm of one further block, which no effect is estimated from")
-    confirmation_specimen: Seed = key("its specimen")
-    back_emf_nm_s_per_rad: Annotated[JointLevels, Unique] = key("low and high level of the back-EMF", "N m s/rad")
+    inner_limit: Count = key("L_exe of its searches; blocks are the accepted experiments", "guesses", "ours")
     training_seeds: Seeds = key("one network of each kind for each")
     search_seeds: Seeds = key("searches of each network on each block")
     plain: PlainNetwork
@@ -398,13 +428,9 @@ class Accepted(Section):
 
 
 class Spread(Section):
-    """The whole experiment over many simulated specimens."""
+    """Every method over the accepted experiments."""
 
-    arms: Annotated[int, Field(ge=1, le=1000)] = key("arms, in turn", allowed="divides the number of seeds")
-    seeds: Seeds = key("one specimen each: plant, T1 and guesses, from streams of random numbers of their own")
-    durations_s: Annotated[list[Positive], Field(min_length=1, max_length=100), Unique] = key(
-        "lengths of the identification trajectory", "s", allowed="as `signals.duration_s`"
-    )
+    inner_limit: Count = key("L_exe of its searches", "guesses", "ours")
 
 
 class Ablation(Section):

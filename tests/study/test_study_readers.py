@@ -13,7 +13,7 @@ from repro.cnn.priors import ListedPrior
 from repro.files import read_tensors, write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
-from repro.pipeline.simulated_arms import Specimen
+from repro.study.arms import Specimen
 from repro.settings import signal_settings
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream

@@ -7,7 +7,7 @@ rule match_start:
         runtime=30,
     params:
         *call("repro.matching.search:fit_start"),
-        config=sections("signals", "board", "experiment", "matching"),
+        config=sections(*ARM, "matching"),
     message:
         "Matching experiments, hypothesis {wildcards.hypothesis}, start {wildcards.start}"
     script:
@@ -27,36 +27,57 @@ rule match:
         misfits=f"{R}/matching/misfits.csv",
     params:
         *call("repro.matching.search:collect"),
-        config=sections("signals", "board", "experiment"),
+        config=sections(*ARM),
     message:
         "Experiments that the printed numbers do not rule out"
     script:
         CALL
 
 
-ACCEPTED = config["accepted"]["experiments"]
+EXPERIMENTS = config["accepted"]["experiments"]
+ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{R}/accepted/recordings.safetensors"}
 # The network of an experiment is trained with its unit of omega.
-UNITS = experiment_units(Path(ACCEPTED))
+UNITS = experiment_units(Path(EXPERIMENTS))
 
 
 rule simulate_accepted:
     input:
-        experiments=ACCEPTED,
+        experiments=EXPERIMENTS,
     output:
         out=f"{R}/accepted/recordings.safetensors",
+    priority: LONG
     params:
         *call("repro.pipeline.accepted:simulate_accepted"),
-        config=sections("signals", "board", "experiment"),
+        config=sections(*ARM),
     message:
         "Simulating the accepted experiments"
     script:
         CALL
 
 
+rule score_spread:
+    input:
+        **ACCEPTED,
+        weights=expand(f"{R}/model/cnn{{suffix}}.safetensors", suffix=["", "-tracked"]),
+        mean_torque=f"{R}/data/mean_torque.csv",
+    output:
+        f"{R}/accepted/methods.csv",
+    priority: LONG
+    resources:
+        runtime=30,
+    params:
+        *call("repro.pipeline.networks:score_spread"),
+        trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
+        config=sections(*USED, *ARM, "networks", "spread"),
+    message:
+        "Every method on the accepted experiments"
+    script:
+        CALL
+
+
 rule search_accepted:
     input:
-        experiments=ACCEPTED,
-        counts=f"{R}/accepted/recordings.safetensors",
+        **ACCEPTED,
         weights=lambda wildcards: f"{R}/{network_of_unit(UNITS[int(wildcards.number)], config['signals']['frequency_reading'])}",
     output:
         f"{R}/accepted/experiment-{{number}}.csv",
@@ -65,8 +86,8 @@ rule search_accepted:
         runtime=120,
     params:
         *call("repro.pipeline.guesses:search_accepted"),
-        config=sections(*USED, "board", "experiment", "accepted"),
+        config=sections(*USED, *ARM, "accepted"),
     message:
-        "Identifying accepted experiment {wildcards.number}"
+        "Algorithm 1 on accepted experiment {wildcards.number}"
     script:
         CALL

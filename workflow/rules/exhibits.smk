@@ -17,7 +17,7 @@ SOURCES = {
         "arm": experiment_identifications(),
         "numeric": identifications(SUFFIXES),
     },
-    "spread": {"scores": expand(f"{R}/spread/scores-{{index}}.csv", index=range(len(config["spread"]["durations_s"])))},
+    "spread": {"scores": f"{R}/accepted/methods.csv"},
     "coverage": {name: f"{R}/coverage/{name}.csv" for name in ("coverage", "ranks", "intervals")},
     "history": {"history": f"{R}/model/training.csv"},
     "weights": {"weights": f"{R}/model/cnn.safetensors"},
@@ -41,7 +41,7 @@ SOURCES = {
         "references": f"{R}/factorial/references.csv",
     },
     "study": {"outcomes": expand(f"{R}/study/cells/{{job}}.csv", job=STUDY_JOBS)},
-    "matching": {"starts": f"{os.path.dirname(ACCEPTED)}/starts.csv", "experiments": ACCEPTED},
+    "matching": {"starts": f"{os.path.dirname(EXPERIMENTS)}/starts.csv", "experiments": EXPERIMENTS},
     "accepted": {"scores": expand(f"{R}/accepted/experiment-{{number}}.csv", number=UNITS)},
     "ablation": {"table": f"{R}/tables/ablation.csv"},
 }

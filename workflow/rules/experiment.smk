@@ -93,36 +93,3 @@ rule score_experiment:
         f"Scoring the arm's estimates on ID and {SPAN}, network{{wildcards.suffix}}"
     script:
         CALL
-
-
-rule simulate_spread:
-    output:
-        out=f"{R}/spread/recordings.safetensors",
-    priority: LONG
-    params:
-        *call("repro.pipeline.simulated_arms:simulate_spread"),
-        config=sections(*ARM, "data", "spread"),
-    message:
-        "Simulating many specimens of the arm"
-    script:
-        CALL
-
-
-rule score_spread:
-    input:
-        recordings=f"{R}/spread/recordings.safetensors",
-        weights=expand(f"{R}/model/cnn{{suffix}}.safetensors", suffix=["", "-tracked"]),
-        mean_torque=f"{R}/data/mean_torque.csv",
-    output:
-        f"{R}/spread/scores-{{index}}.csv",
-    priority: LONG
-    resources:
-        runtime=30,
-    params:
-        *call("repro.pipeline.networks:score_spread"),
-        trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
-        config=sections(*USED, *ARM, "networks", "spread"),
-    message:
-        "Identifying and scoring many specimens, identification duration {wildcards.index}"
-    script:
-        CALL

@@ -1,15 +1,3 @@
-rule simulate_factorial:
-    output:
-        out=f"{R}/factorial/recordings.safetensors",
-    params:
-        *call("repro.pipeline.simulated_arms:simulate_blocks"),
-        config={**sections(*ARM, "data"), "factorial": FACTORIAL},
-    message:
-        "Simulating the blocks of the factorial"
-    script:
-        CALL
-
-
 # Modules that train its networks, by what reads the torque.
 READERS = {"plain": "repro.cnn.plain", "cnn": "repro.cnn.train"}
 
@@ -36,8 +24,8 @@ rule train_factorial:
 
 rule score_factorial:
     input:
+        **ACCEPTED,
         weights=f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
-        recordings=f"{R}/factorial/recordings.safetensors",
         mean_torque=f"{R}/data/mean_torque.csv",
     output:
         f"{R}/factorial/{{cell}}-seed{{seed}}-search{{search}}.csv",
@@ -54,7 +42,7 @@ rule score_factorial:
 
 rule score_factorial_references:
     input:
-        recordings=f"{R}/factorial/recordings.safetensors",
+        **ACCEPTED,
     output:
         f"{R}/factorial/references.csv",
     params:

@@ -31,7 +31,7 @@ def simulate_arguments(parser: argparse.ArgumentParser) -> None:
     add("--port-number", type=integer(0, 65535), help="with socket: 0 takes a free one (default)")
     add("--as-fast-as-possible", action="store_true", help="do not wait 2.5 ms between samples")
     add("--faults", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
-    add("--seed", type=seed, help="of arm and faults (default: experiment.seed)")
+    add("--seed", type=seed, help="of the faults (default: 1)", default=1)
     add("--once", action="store_true", help="end after the first motion, when its host has gone")
     add_config(parser)
 
@@ -51,9 +51,8 @@ def simulate(arguments: argparse.Namespace) -> int:
             raise InputError.at(f"--{option}", f"--listen {arguments.listen}", f"--listen {listen}")
     settings = parse_faults(arguments.faults)
     config = load_config(arguments.config)
-    seed = config["experiment"]["seed"] if arguments.seed is None else arguments.seed
-    board = board_from_config(config, seed, logic_board() if arguments.board == "rtl" else Board)
-    rng = np.random.default_rng(seed)
+    board = board_from_config(config, logic_board() if arguments.board == "rtl" else Board)
+    rng = np.random.default_rng(arguments.seed)
     socket = arguments.host or "127.0.0.1", arguments.port_number or 0
     endpoint = PtyEndpoint(arguments.link) if arguments.listen == "pty" else SocketEndpoint(*socket)
     serve(

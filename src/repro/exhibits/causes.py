@@ -1,4 +1,4 @@
-"""Why Algorithm 1 does worse on the arm: training and motion of line 18 crossed, and the factorial of six causes."""
+"""Why Algorithm 1 does worse on the arm: training and motion of line 18 crossed, and the factorial of four causes."""
 
 from collections.abc import Hashable, Mapping
 from functools import partial
@@ -122,8 +122,6 @@ def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
 _FACTORS = {
     "image_motion": "f on the desired motion",
     "training": "closed-loop training",
-    "omega": "omega as DCT index",
-    "back_emf": "back-EMF",
     "metric": "energy ratio",
     "reader": "plain network",
 }
@@ -153,19 +151,17 @@ def effects_layout(frame: pd.DataFrame) -> Table:
         for name in names:
             points = [_estimate(by[name, response], 100.0, 1) for response in RESPONSES]
             error = _estimate(by[name, "error"], 1.0, 3) if (name, "error") in by else plain("")
-            held_out = [number(100.0 * by[name, response]["confirmation"], 1) for response in RESPONSES]
-            cells.append([plain(_words(name)), *points, error, *held_out])
+            cells.append([plain(_words(name)), *points, error])
         blocks.append((plain(_CONTRASTS[str(of)]), cells))
-    count, seeds = int(frame["blocks"].min()), int(frame["training_seeds"].min())
+    count, seeds = int(frame["experiments"].min()), int(frame["training_seeds"].min())
     caption = plain(
-        "Factorial of causes on simulated arms: main effects (high minus low level) and interactions of two factors "
+        "Factorial of causes on the accepted experiments (simulated): main effects (high minus low level) and "
+        "interactions of two factors "
         "(half the difference of the differences) on the mean total of ID and of T1 to T4, in points of per cent, and "
         "on the root mean square error of single estimates over the largest torque, with 95 % intervals over "
-        f"{count} blocks and {seeds} training seeds. Last, the same on an arm and a specimen frozen before and scored "
-        "once."
+        f"{count} experiments and {seeds} training seeds."
     )
-    header = ("Effect", "ID", "T1 to T4", "Error", "Frozen arm, ID", "Frozen arm, T1 to T4")
-    return Table(caption, "lrrrrr", [plain(name) for name in header], blocks)
+    return Table(caption, "lrrr", [plain(name) for name in ("Effect", "ID", "T1 to T4", "Error")], blocks)
 
 
 #: Levels of the factors in words, where they are not their names.
@@ -177,7 +173,6 @@ _LEVELS = {
     "true": "true parameters",
     "ideal": "Eq. 10",
     "tracked": "closed-loop",
-    "rad_per_s": "rad/s",
 }
 
 
@@ -187,20 +182,18 @@ def _level(factor: str) -> Cell:
 
 
 def draw_effects(frame: pd.DataFrame) -> Figure:
-    """Effects on T1 to T4 and on ID with their intervals, and the frozen arm's."""
+    """Effects on T1 to T4 and on ID with their intervals."""
     rows = frame[frame["response"].isin(list(RESPONSES)) & frame["of"].isin(["cnn", "reader"])]
     rows = rows.assign(label=rows["effect"].map(_words))
     order = rows[rows["response"] == "validation"].sort_values("value", key=abs, ascending=False)
     names = list(dict.fromkeys(order["label"]))
     drawn, panels = style.new_panels(style.PAGE, 0.9 + 0.17 * len(names), 1, 2, sharey=True)
-    blocks = f"{frame['blocks'].min()} blocks"
+    label = f"{frame['experiments'].min()} experiments"
     for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
         own = rows[rows["response"] == response]
         at = own["label"].map(names.index).to_numpy()
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
-        axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=blocks)
-        frozen = {"marker": "D", "ms": 3.2, "mfc": "white", "mec": "#d1490a", "label": "frozen arm"}
-        axes.plot(100.0 * own["confirmation"], at, ls="none", **frozen)
+        axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=label)
         axes.axvline(0.0, color="0.6", lw=0.6)
         axes.set(title=title, xlabel="Effect (points of per cent)")
         axes.grid(visible=False, axis="y")
@@ -215,8 +208,8 @@ def _factorial(inputs: Inputs) -> pd.DataFrame:
 
 @_factorial_table("Effects of the causes", effects_layout)
 def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
-    """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
-    blocks and training seeds, and the same effects on an arm that was frozen before.
+    """Effects of four causes on the similarity that Algorithm 1 reaches on the accepted experiments, with 95 %
+    intervals over experiments and training seeds.
     """
     return effects(_factorial(inputs))
 
@@ -224,13 +217,11 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 @_factorial_table(
     "Similarities under each combination of the causes",
     layout(
-        "Cells of the factorial on simulated arms: mean total (%) on ID and T1 to T4, root mean square error of single "
-        "estimates over the largest torque, and executions of 100 that met the threshold.",
+        "Cells of the factorial on the accepted experiments (simulated): mean total (%) on ID and T1 to T4, root mean "
+        "square error of single estimates over the largest torque, and executions of 100 that met the threshold.",
         ("Reader", "l", _level("reader")),
         ("Trained on", "l", _level("training")),
         ("f on", "l", _level("image_motion")),
-        ("omega", "l", _level("omega")),
-        ("Back-EMF", "l", _level("back_emf")),
         ("Time factor", "l", _level("metric")),
         ("ID", "r", digits("id", 1, 100.0)),
         ("T1 to T4", "r", digits("validation", 1, 100.0)),
@@ -240,13 +231,15 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     label="Factorial, cells",
 )
 def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
-    """Mean similarity on simulated arms under each combination of the causes, with methods that need no network."""
+    """Mean similarity on the accepted experiments under each combination of the causes, and of methods without a
+    network.
+    """
     return cell_means(_factorial(inputs), read_csv(inputs["references"][0]))
 
 
 @_factorial_figure("Effects of the causes", draw_effects)
 def factorial_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
-    """Effects of six causes on the similarity that Algorithm 1 reaches on simulated arms, with 95 % intervals over
-    blocks and training seeds, and the same effects on an arm that was frozen before.
+    """Effects of four causes on the similarity that Algorithm 1 reaches on the accepted experiments, with 95 %
+    intervals over experiments and training seeds.
     """
     return effects(_factorial(inputs))

@@ -1,4 +1,4 @@
-"""Many simulated arms: coverage of the network's intervals, spread of the similarity, verdict on the methods."""
+"""Many arms: coverage of the network's intervals; over the accepted experiments, spread and verdict on the methods."""
 
 from functools import partial
 
@@ -126,99 +126,81 @@ def coverage_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
     return read_csv(inputs["ranks"][0], RANKS)
 
 
-SPREAD = ("case", "joint", "method", "duration", "arm", "chatter", "seed", "total")
+SPREAD = ("case", "joint", "method", "experiment", "total")
 #: Methods that the verdict compares with the baselines.
 CONTENDERS = ("algorithm1", "algorithm1+tracked", "algorithm1+refinement", "algorithm1+local-search")
 
 
-def _spread(inputs: Inputs) -> pd.DataFrame:
-    return pd.concat([read_csv(path, SPREAD) for path in inputs["scores"]], ignore_index=True)
-
-
 def verdict_layout(frame: pd.DataFrame) -> Table:
-    """A block for each opponent and set of arms, a row for each method and duration; columns `COMPARISON_COLUMNS`."""
+    """A block for each opponent, a row for each method; columns `COMPARISON_COLUMNS`."""
     columns: list[Column] = [
         ("Method", "l", lambda row: heading_of(row["method"])),
-        ("Identified on", "r", lambda row: plain(f"{row['duration']:.4g} s")),
-        ("Arms won", "r", digits("wins", 0)),
+        ("Won", "r", digits("wins", 0)),
         ("Difference", "r", digits("difference", 2, 100.0)),
         ("Interval", "r", percent_interval),
         ("p (Holm)", "r", digits("p_holm", 3)),
         ("Conclusion", "l", words("conclusion")),
     ]
     order = {method: place for place, method in enumerate(methods_of(frame))}
-    ordered = frame.assign(place=frame["method"].map(order)).sort_values(["place", "duration"], kind="stable")
-    blocks: list[Block] = []
-    for opponent in dict.fromkeys(frame["opponent"]):
-        for name in dict.fromkeys(frame["set"]):
-            own = ordered[(ordered["opponent"] == opponent) & (ordered["set"] == name)]
-            arms = plain(f"({own['arms'].max()} arms, {name})")
-            blocks.append((plain("Against:") + " " + heading_of(opponent) + " " + arms, own))
-    pairs = len(frame[["method", "opponent"]].drop_duplicates())
+    ordered = frame.assign(place=frame["method"].map(order)).sort_values("place", kind="stable")
+    blocks: list[Block] = [
+        (plain("Against:") + " " + heading_of(opponent), ordered[ordered["opponent"] == opponent])
+        for opponent in dict.fromkeys(frame["opponent"])
+    ]
     caption = (
-        f"Algorithm 1 and the field's methods: the mean total over {SPAN} and both joints, paired over simulated arms. "
+        f"Algorithm 1 and the field's methods: the mean total over {SPAN} and both joints, paired over "
+        f"{frame['experiments'].max()} simulated experiments that the printed numbers do not rule out. "
         "Hodges-Lehmann difference in points of a percent with the interval of Wilcoxon's signed-rank test, "
-        f"simultaneous over {pairs} pairs (95 %, Bonferroni), and the p value adjusted by Holm's method. Equivalent: "
-        "the whole interval is within 0.5 points. A loop chatters if three quarters of the power of a "
-        "torque on ID are above 25 Hz."
+        f"simultaneous over {len(frame)} pairs (95 %, Bonferroni), and the p value adjusted by Holm's method. "
+        "Equivalent: the whole interval is within 0.5 points."
     )
     return grid(caption, columns, blocks)
 
 
 @_table("Algorithm 1 against the field's methods", verdict_layout, inputs=("spread",))
 def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
-    """Algorithm 1, its variants and their control against least squares, plain, bounded and consistent. Each simulated
-    arm counts once, with its mean total over T1 to T4 and both joints: the number of arms on which a method is better,
-    the difference of the two methods with its interval, and the conclusion.
+    """Algorithm 1, its variants and their control against least squares, plain, bounded and consistent. Each accepted
+    experiment counts once, with its mean total over T1 to T4 and both joints: the number of those on which a method is
+    better, the difference of the two methods with its interval, and the conclusion.
     """
-    return comparisons(_spread(inputs), CONTENDERS, tuple(BASELINES))
+    return comparisons(read_csv(inputs["scores"][0], SPREAD), CONTENDERS, tuple(BASELINES))
 
 
 #: Methods of the figure; the literal Algorithm 1 would leave the others on one line.
 DRAWN = ("algorithm1+tracked", "algorithm1+refinement", "least-squares", "bounded", "true")
 
 
-def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str], durations: list[float]) -> None:
-    """Draw each run as a mark, side by side in the order of the seeds, and a bar at the median."""
-    step = 0.8 / len(methods)  # in units of one duration's group
+def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str]) -> None:
+    """Draw each experiment as a mark, side by side in their order, and a bar at the median."""
     for place, method in enumerate(methods):
-        colour, label = style.STROKES[method]["color"], style.SERIES_LABELS[method]
-        for group, duration in enumerate(durations):
-            chosen = runs[(runs["method"] == method) & (runs["duration"] == duration)].sort_values("seed")
-            totals = 100.0 * chosen["total"].to_numpy()
-            centre = group + (place - (len(methods) - 1) / 2) * step
-            offsets = np.linspace(-0.25, 0.25, totals.size) if totals.size > 1 else np.zeros(totals.size)
-            marks = {"ls": "none", "color": colour, "alpha": 0.75, **style.MARKS[method], "markersize": 2.6}
-            axes.plot(centre + step * offsets, totals, label=label, **marks)
-            if totals.size:
-                middle = 100.0 * float(chosen["median"].iloc[0])
-                axes.hlines(middle, centre - 0.45 * step, centre + 0.45 * step, color=colour, lw=1.8)
-            label = "_"  # one entry in the legend
+        colour, chosen = style.STROKES[method]["color"], runs[runs["method"] == method].sort_values("experiment")
+        totals = 100.0 * chosen["total"].to_numpy()
+        offsets = np.linspace(-0.25, 0.25, totals.size) if totals.size > 1 else np.zeros(totals.size)
+        marks = {"ls": "none", "color": colour, "alpha": 0.75, **style.MARKS[method], "markersize": 2.6}
+        axes.plot(place + offsets, totals, label=style.SERIES_LABELS[method], **marks)
+        if totals.size:
+            axes.hlines(100.0 * float(chosen["median"].iloc[0]), place - 0.45, place + 0.45, color=colour, lw=1.8)
 
 
 def draw_spread(frame: pd.DataFrame) -> Figure:
-    """Total similarity of every run of the experiment, by motion, joint, method and ID duration."""
+    """Total similarity of every experiment, by motion, joint and method."""
     methods = [name for name in style.METHODS if name in set(frame["method"])]
-    durations = sorted(set(frame["duration"]))
     figure, grid = style.new_panels(style.PAGE, 4.2, 2, len(PROGRAMS), sharex=True)
     for row, joint in zip(grid, (1, 2), strict=True):
         for axes, case in zip(row, PROGRAMS, strict=True):
-            _plot_runs(axes, frame[(frame["case"] == case) & (frame["joint"] == joint)], methods, durations)
-            axes.set(title=f"{case}, joint {joint}", xlim=(-0.55, len(durations) - 0.45))
-            axes.set_xticks(range(len(durations)), labels=[f"{value:.3g}" for value in durations])
+            _plot_runs(axes, frame[(frame["case"] == case) & (frame["joint"] == joint)], methods)
+            axes.set(title=f"{case}, joint {joint}", xlim=(-0.6, len(methods) - 0.4), xticks=[])
             axes.grid(visible=False, axis="x")
             style.few_ticks(axes)
         row[0].set_ylabel("Total similarity (%)")
-    figure.supxlabel("Duration of the identification trajectory (s)", fontsize=style.TEXT_SIZE)
     figure.align_ylabels()
     return style.legend_above(figure, grid[0, 0], 3, style.SIMULATED)
 
 
-@_figure("Similarity over many simulated arms", draw_spread, inputs=("spread",))
+@_figure("Similarity over the accepted experiments", draw_spread, inputs=("spread",))
 def spread_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
-    """Total similarity of every run of the simulated experiment, by motion, joint, method and duration of the
-    identification trajectory; the bars are the medians over the seeds.
+    """Total similarity on every experiment that the printed numbers do not rule out, by motion, joint and method; the
+    bars are the medians.
     """
-    drawn = _spread(inputs).query("method in @DRAWN")[list(SPREAD)]
-    median = drawn.groupby(["case", "joint", "method", "duration"])["total"].transform("median")
-    return drawn.assign(median=median)
+    drawn = read_csv(inputs["scores"][0], SPREAD).query("method in @DRAWN")[list(SPREAD)]
+    return drawn.assign(median=drawn.groupby(["case", "joint", "method"])["total"].transform("median"))

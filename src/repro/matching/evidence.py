@@ -24,11 +24,20 @@ from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.paper.metric_search import torque_bounds
 from repro.paper.published import Published, load_published
-from repro.pipeline.accepted import Experiment, experiment_of
-from repro.pipeline.experiment import Recording, control_constants, limits
+from repro.pipeline.accepted import experiment_config
+from repro.pipeline.experiment import (
+    Recording,
+    control_constants,
+    disturbance,
+    limits,
+    program_settings,
+    true_parameters,
+)
 from repro.pipeline.job import Config
+from repro.settings import signal_settings
 from repro.signals.metric import PUBLISHED_METRIC, Similarity, metr2ev
-from repro.signals.programs import PROGRAMS, peaks
+from repro.signals.programs import PROGRAMS, peaks, reference_trajectory
+from repro.streams import Stream, stream
 
 FREQUENCY_UNIT, TIME_UNIT, BOUND_UNIT, TRACKING_UNIT, PEAK_UNIT = 1.5, 0.5, 0.05, 0.25, 0.02
 #: An experiment is accepted if all of these are satisfied: rms distance of the ten totals of least squares (points),
@@ -79,22 +88,29 @@ class Motion:
     peak: Array  # largest needed speed and torque of both joints over their limits (4,)
 
 
-def record_motion(experiment: Experiment, name: str, config: Config) -> Motion:
-    """Simulate one recording of an experiment."""
-    program, beta, control = experiment.program(name), experiment.true, control_constants(config)
-    position, pwm = record(beta, experiment.effects, experiment.phase, control, program.q, program.h)
-    recording = Recording.of_counts(program, position.astype(np.float64), pwm.astype(np.float64), config)
-    return motion_of(recording, experiment, config)
+def record_motion(experiment: Config, name: str) -> Motion:
+    """Simulate one recording of an experiment; of T1 the first motion that its seed draws, whatever its limits."""
+    rng = stream(experiment["experiment"]["seed"], Stream.RANDOM_MOTION)
+    program = reference_trajectory(name, program_settings(experiment), rng)
+    beta, control, (effects, phase) = (
+        true_parameters(experiment),
+        control_constants(experiment),
+        disturbance(experiment),
+    )
+    position, pwm = record(beta, effects, phase, control, program.q, program.h)
+    return motion_of(
+        Recording.of_counts(program, position.astype(np.float64), pwm.astype(np.float64), experiment), experiment
+    )
 
 
-def motion_of(recording: Recording, experiment: Experiment, config: Config) -> Motion:
+def motion_of(recording: Recording, experiment: Config) -> Motion:
     """Evaluate a recording."""
     program = recording.program
-    (torque_limit, speed_limit), (speed, torque) = limits(config), peaks(program, experiment.true)
+    (torque_limit, speed_limit), (speed, torque) = limits(experiment), peaks(program, true_parameters(experiment))
     proper = slice(program.n1, program.n2)
     tracking = 100.0 * metr2ev(program.q[:, proper], recording.q[:, proper]).total
     peak = np.concatenate([speed / speed_limit, torque / np.array(torque_limit)])
-    return Motion(recording.regression(experiment.signals), tracking, peak)
+    return Motion(recording.regression(signal_settings(experiment)), tracking, peak)
 
 
 @dataclass(frozen=True)
@@ -175,5 +191,5 @@ class Outcome:
 
 def outcome_of(values: Mapping[Hashable, Any], order: TrackingOrder, config: Config) -> Outcome:
     """Simulate an experiment on all motions."""
-    experiment = experiment_of(values, config)
-    return Outcome({name: record_motion(experiment, name, config) for name in PROGRAMS}, order)
+    experiment = experiment_config(values, config)
+    return Outcome({name: record_motion(experiment, name) for name in PROGRAMS}, order)

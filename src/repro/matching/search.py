@@ -13,7 +13,7 @@ from repro.documents import read_json
 from repro.matching.evidence import Motion, Outcome, outcome_of, printed, published, record_motion
 from repro.matching.unknowns import HYPOTHESES, Hypothesis
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.accepted import SETTINGS, experiment_of
+from repro.pipeline.accepted import SETTINGS, experiment_config
 from repro.pipeline.job import Config
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
@@ -44,7 +44,7 @@ class Problem:
     def _recorded(
         self, motion: str, values: tuple[tuple[str, Any], ...], others: tuple[tuple[str, Any], ...]
     ) -> Motion:
-        return record_motion(experiment_of(dict(values + others), self._config), motion, self._config)
+        return record_motion(experiment_config(dict(values + others), self._config), motion)
 
     def values(self, place: Array) -> dict[str, Any]:
         """Columns of the experiment at a place of the unit cube."""

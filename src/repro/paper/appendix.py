@@ -32,16 +32,13 @@ APPENDIX_NUMBERS = ("potential", "energy", "dissipation", "coupling", "r1_min", 
 
 @dataclass(frozen=True)
 class FreeChoices:
-    """What the printed numbers leave open, by default a natural arm."""
+    """What the printed numbers of the appendix leave open, by default as in accepted experiment 1."""
 
-    i1: float = 0.12  # inertia of both links seen by joint 1, kg m^2. At least about 0.09, or no I3 gives lambda_M^min
-    # length of link 1, m. The arm's reach of 2.52 m/s / 8 rad/s = 0.315 m (Section III) leaves l2 = 0.150 m
-    l1: float = 0.165
-    g1: float = 0.95  # gravity load on joint 1, N m: well above the inertias, as Section V-C says of Table 9
-    # Coulomb friction, N m. b1 and b2 stay below it, as Section V-C says of Table 9 (b2 reaches 0 at k2 = 0.382).
-    k1: float = 0.4538
-    # Friction is most of the position error of joint 2: with back-EMF, the 99.02 % of Table 8 determine it.
-    k2: float = 0.228
+    i1: float = 0.105388  # inertia of both links seen by joint 1, kg m^2. At least 0.09, or no I3 gives lambda_M^min
+    l1: float = 0.196946  # length of link 1, m
+    g1: float = 0.444465  # gravity load on joint 1, N m: above the inertias, as Section V-C says of Table 9
+    k1: float = 0.3866  # Coulomb friction, N m: b1 and b2 stay below it, as Section V-C says of Table 9
+    k2: float = 0.18823902
 
 
 def appendix_numbers(published: Published | None = None) -> dict[str, PublishedValue]:

@@ -156,9 +156,6 @@ CLOSED_LOOP = Variant(
 )  # fmt: skip
 LINEAR = Variant("", LEAST_SQUARES, "", "another arm")
 VARIANTS = {"table06": (LISTED, REFINED), "table07": (LISTED, REFINED), "table10": (LISTED, REFINED, CLOSED_LOOP)}
-#: Least-squares cells that the arm (ID) and the random motion (T1) were calibrated on.
-CALIBRATED_ON = ("ID", "T1")
-
 #: Our values by the suffix of their id: empty, or that of an extension.
 Values = dict[str, OurValue]
 
@@ -170,11 +167,10 @@ def training_note(config: Mapping[str, Any]) -> str:
     return f"training {differing} of the network: ours" if differing else ""
 
 
-def _score(score: OurValue, case: str, variant: Variant, *notes: str) -> OurValue:
+def _score(score: OurValue, variant: Variant, *notes: str) -> OurValue:
     basis, cause = Basis.NUMERIC, "another network"
-    if score.target == "table10":
-        calibrated = variant.method == LEAST_SQUARES and case in CALIBRATED_ON
-        basis, cause = Basis.CONSTRUCTION if calibrated else Basis.ARM, variant.cause
+    if score.target == "table10":  # arm and motions are matched to the cells of least squares
+        basis, cause = Basis.CONSTRUCTION if variant.method == LEAST_SQUARES else Basis.ARM, variant.cause
     return replace(score, basis=basis, cause=cause, note="; ".join(filter(None, (*notes, variant.note))))
 
 
@@ -186,7 +182,7 @@ def _similarity(number: PublishedValue, results: Results, config: Mapping[str, A
     values = {}
     for variant in variants if number.quantity == "total" else variants[:1]:
         score = results.similarity(table, case, variant.method, joint, number.quantity)
-        values[variant.suffix] = _score(score, case, variant, note)
+        values[variant.suffix] = _score(score, variant, note)
     return values
 
 
@@ -207,9 +203,9 @@ def _parameter(number: PublishedValue, results: Results, _: Mapping[str, Any]) -
 
 
 def _tracking(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
-    """Cell of Table 8. The arm's Coulomb friction and back-EMF are solved for joint 2."""
+    """Cell of Table 8, to which arm and duration of ID are matched."""
     value = results.similarity("table08", "tracking", "pd", number.joint or 0)
-    return {"": replace(value, basis=Basis.CONSTRUCTION if number.joint == 2 else Basis.ARM, cause="lag of the gains")}
+    return {"": replace(value, basis=Basis.CONSTRUCTION, cause="lag of the gains")}
 
 
 def _mean(number: PublishedValue, results: Results, config: Mapping[str, Any]) -> Values:
@@ -221,7 +217,7 @@ def _mean(number: PublishedValue, results: Results, config: Mapping[str, Any]) -
             results.similarity("table06", case, variant.method, j).value for case in NUMERIC_CASES for j in (1, 2)
         ]
         notes = number.note, f"smallest {min(totals):.2f}", training_note(config)
-        values[variant.suffix] = _score(mean, "", variant, *notes)
+        values[variant.suffix] = _score(mean, variant, *notes)
     return values
 
 
@@ -232,7 +228,7 @@ def _extreme(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> 
     for variant in VARIANTS["table10"]:
         totals = [results.similarity("table10", case, variant.method, j) for case in cases for j in (1, 2)]
         extreme = choose(totals, key=lambda total: total.value)
-        values[variant.suffix] = _score(extreme, cases[0], variant, number.note)
+        values[variant.suffix] = _score(extreme, variant, number.note)
     return values
 
 

@@ -8,19 +8,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from repro.config import merged
 from repro.files import read_csv, read_tensors, write_tensors
 from repro.fpga.controller import simulate
-from repro.fpga.plant import Plant, Unmodelled
-from repro.model.dynamics import ArmGeometry
+from repro.fpga.plant import Plant
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.experiment import Recording, control_constants, identification_settings
+from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config, true_parameters
 from repro.pipeline.job import Config
 from repro.progress import Progress
-from repro.settings import signal_settings
-from repro.signals.dct import SignalSettings
-from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, reference_trajectory
-from repro.signals.validation_motions import Circle, Profile, RandomMotion, Sinusoid
-from repro.streams import Stream, stream
+from repro.signals.programs import PROGRAMS
 
 #: What makes an experiment besides the parameters of its arm.
 SETTINGS = (
@@ -37,58 +33,42 @@ GUESSES = (
 REACH = 0.315  # l1 + l2, m: 2.52 m/s at 8 rad/s (Section III)
 
 
-@dataclass(frozen=True, eq=False)
-class Experiment:
-    """One arm with its unmodelled effects and its five motions."""
+def settings_of(values: Mapping[Hashable, Any]) -> dict[str, Any]:
+    """Settings of the experiment with the columns of a row of ``data/experiments/accepted.csv``."""
 
-    true: Array  # parameters (9,) that the PWM torque obeys
-    effects: Unmodelled
-    phase: Array  # of the ripple (2,), rad
-    signals: SignalSettings  # with the unit of omega
-    trajectories: TrajectorySettings
-    seed: int  # of T1
+    def pair(name: str) -> list[float]:
+        return [float(values[f"{name}1"]), float(values[f"{name}2"])]
 
-    def program(self, name: str) -> ReferenceTrajectory:
-        """One motion; of T1 the first that its seed draws."""
-        return reference_trajectory(name, self.trajectories, stream(self.seed, Stream.RANDOM_MOTION))
-
-
-def experiment_of(values: Mapping[Hashable, Any], config: Config) -> Experiment:
-    """Experiment with the columns of a row of ``data/experiments/accepted.csv``; the board is the configuration's."""
-
-    def pair(name: str) -> tuple[float, float]:
-        return float(values[f"{name}1"]), float(values[f"{name}2"])
-
-    def samples(name: str) -> int:
-        return int(values[f"{name}_samples"])
+    def motion(name: str, *quantities: str) -> dict[str, Any]:
+        return {"samples": int(values[f"{name}_samples"])} | {x: float(values[f"{name}_{x}"]) for x in quantities}
 
     l1 = float(values["l1"])
-    further = np.zeros(len(NAMES))
-    further[5:7] = pair("viscous")
-    effects = Unmodelled(
-        stribeck=pair("stribeck"),
-        stribeck_velocity=float(values["stribeck_velocity"]),
-        ripple=pair("ripple"),
-        ripple_cycles=float(values["ripple_cycles"]),
-        load_friction=pair("load_friction"),
-    )
-    trajectories = replace(
-        identification_settings(config),
-        geometry=ArmGeometry(l1, REACH - l1),
-        duration=float(values["duration_s"]),
-        t1=RandomMotion(samples("t1"), float(values["t1_bands"]), range_of="numbers"),
-        t2=Circle(samples("t2"), float(values["t2_turns"]), float(values["t2_centre"])),
-        t3=Profile(samples("t3"), float(values["t3_levels"])),
-        t4=Sinusoid(samples("t4"), pair("t4_amplitude"), pair("t4_frequency")),
-    )
-    return Experiment(
-        np.array([float(values[name]) for name in NAMES]) + further,
-        effects,
-        np.array(pair("ripple_phase")),
-        replace(signal_settings(config), omega_unit=values["unit"]),
-        trajectories,
-        int(values["seed"]),
-    )
+    arm = {
+        "parameters": [float(values[name]) for name in NAMES],
+        "link_lengths_m": [l1, round(REACH - l1, 9)],
+        "further_viscous_nm_s_per_rad": pair("viscous"),
+        "stribeck": pair("stribeck"),
+        "stribeck_velocity_rad_s": float(values["stribeck_velocity"]),
+        "ripple_nm": pair("ripple"),
+        "ripple_cycles": float(values["ripple_cycles"]),
+        "ripple_phase_rad": pair("ripple_phase"),
+        "load_friction": pair("load_friction"),
+    }
+    sinusoid = {"amplitude_rad": pair("t4_amplitude"), "frequency_hz": pair("t4_frequency")}
+    experiment = {
+        "duration_s": float(values["duration_s"]),
+        "seed": int(values["seed"]),
+        "t1": motion("t1", "bands") | {"range_of": "numbers"},
+        "t2": motion("t2", "turns", "centre"),
+        "t3": motion("t3", "levels"),
+        "t4": motion("t4") | sinusoid,
+    }
+    return {"signals": {"frequency_reading": values["unit"]}, "arm": arm, "experiment": experiment}
+
+
+def experiment_config(values: Mapping[Hashable, Any], config: Config) -> dict[str, Any]:
+    """Configuration of an experiment; board and methods are those of `config`."""
+    return merged(config, settings_of(values))
 
 
 def read_experiments(path: Path) -> pd.DataFrame:
@@ -96,35 +76,61 @@ def read_experiments(path: Path) -> pd.DataFrame:
     return read_csv(path, ("experiment", *NAMES, *SETTINGS))
 
 
+def _padded(arrays: list[Array]) -> Array:
+    """Stack motions (2, N) of unequal length, held at their end."""
+    longest = max(q.shape[-1] for q in arrays)
+    return np.stack([np.pad(q, ((0, 0), (0, longest - q.shape[-1])), mode="edge") for q in arrays])
+
+
 def simulate_accepted(experiments: Path, out: Path, config: Config) -> None:
     """Simulate every accepted experiment on all motions, as one batch by the quick method, and keep the counts."""
-    each = [experiment_of(row, config) for row in read_experiments(experiments).to_dict("records")]
-    programs = [one.program(name) for name in PROGRAMS for one in each]
-    longest = max(program.q.shape[1] for program in programs)
-    desired = np.stack([np.pad(p.q, ((0, 0), (0, longest - p.q.shape[1])), mode="edge") for p in programs])
-    arms = np.tile([one.true for one in each], (len(PROGRAMS), 1))
-    effects, phases = (
-        [one.effects for one in each] * len(PROGRAMS),
-        np.tile([x.phase for x in each], (len(PROGRAMS), 1)),
-    )
-    plant = Plant(arms, programs[0].h, effects, phases, quick=True)
-    position, pwm = simulate(plant, control_constants(config), desired, Progress("simulating accepted experiments"))
+    each = [experiment_config(row, config) for row in read_experiments(experiments).to_dict("records")]
+    programs = [program_from_config(one, name) for name in PROGRAMS for one in each]
+    effects, phases = zip(*(disturbance(one) for one in each), strict=True)
+    arms, phase = (np.tile(x, (len(PROGRAMS), 1)) for x in (list(map(true_parameters, each)), phases))
+    plant = Plant(arms, programs[0].h, effects * len(PROGRAMS), phase, quick=True)
+    desired, progress = _padded([program.q for program in programs]), Progress("simulating accepted experiments")
+    position, pwm = simulate(plant, control_constants(config), desired, progress)
     write_tensors(out, {"position": position, "pwm": pwm})
 
 
-def recordings_of(experiment: Experiment, place: int, counts: Path, config: Config) -> list[Recording]:
-    """Recordings of the experiment at a place of the file, ID first."""
+@dataclass(frozen=True)
+class Experiment:
+    """One accepted experiment with its recordings."""
+
+    number: int
+    config: Config
+    recordings: list[Recording]  # of ID, then of T1 to T4
+
+    @property
+    def true(self) -> Array:
+        """Parameters (9,) of its arm."""
+        return true_parameters(self.config)
+
+
+def read_accepted(experiments: Path, counts: Path, config: Config) -> list[Experiment]:
+    """All accepted experiments with the recordings of `simulate_accepted`."""
+    table = read_experiments(experiments).to_dict("records")
     kept, _ = read_tensors(counts, "recordings of the accepted experiments")
     position, pwm = (
-        kept[name].reshape(len(PROGRAMS), -1, *kept[name].shape[1:])[:, place] for name in ("position", "pwm")
+        kept[name].reshape(len(PROGRAMS), len(table), *kept[name].shape[1:]) for name in ("position", "pwm")
     )
-    recordings = []
-    for k, name in enumerate(PROGRAMS):
-        program = experiment.program(name)
-        own = np.s_[k, :, : program.q.shape[1]]
-        sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))
-        recordings.append(Recording.of_counts(sent, position[own], pwm[own], config))
-    return recordings
+    found = []
+    for place, row in enumerate(table):
+        own, recordings = experiment_config(row, config), []
+        for k, name in enumerate(PROGRAMS):
+            program = program_from_config(own, name)
+            proper = np.s_[k, place, :, : program.q.shape[1]]
+            sent = replace(program, q=program.q.astype(np.float32).astype(np.float64))  # as the board receives it
+            recordings.append(Recording.of_counts(sent, position[proper], pwm[proper], own))
+        found.append(Experiment(int(row["experiment"]), own, recordings))
+    return found
+
+
+def of_this_unit(experiments: list[Experiment], config: Config) -> list[Experiment]:
+    """Those with the unit of omega that the configuration has, so that its networks read them."""
+    unit = config["signals"]["frequency_reading"]
+    return [one for one in experiments if one.config["signals"]["frequency_reading"] == unit]
 
 
 def experiment_units(path: Path) -> dict[int, str]:

@@ -26,7 +26,14 @@ from repro.model.parameters import Array
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.dct import SignalSettings
-from repro.signals.programs import PROGRAMS, ReferenceTrajectory, TrajectorySettings, check_limits, permitted_trajectory
+from repro.signals.programs import (
+    PROGRAMS,
+    VALIDATION,
+    ReferenceTrajectory,
+    TrajectorySettings,
+    check_limits,
+    permitted_trajectory,
+)
 from repro.signals.validation_motions import Circle, Profile, RandomMotion, Sinusoid
 from repro.streams import Stream, stream
 
@@ -38,30 +45,31 @@ def control_constants(config: Config) -> ControlConstants:
 
 
 def true_parameters(config: Config) -> Array:
-    """Parameters (9,) that the PWM torque of the simulated arm obeys, in which back-EMF acts as viscous friction."""
+    """Parameters (9,) that the PWM torque of the simulated arm obeys, with its further viscous friction."""
     beta = np.array(config["arm"]["parameters"], dtype=np.float64)
-    beta[5:7] += config["arm"]["back_emf_nm_s_per_rad"]
+    beta[5:7] += config["arm"]["further_viscous_nm_s_per_rad"]
     return beta
 
 
 def identification_settings(config: Config) -> TrajectorySettings:
-    """Lengths of ID, from sections ``signals`` and ``experiment``: no training depends on the arm."""
+    """Lengths of Eq. 10 as networks are trained on it, from ``signals`` and ``experiment``: not of the arm's ID."""
     s, e = config["signals"], config["experiment"]
     lengths = {"duration": s["duration_s"], "h": s["sampling_period_s"]}
     return TrajectorySettings(**lengths, margin=e["margin_samples"], lead_in=e["lead_in_s"])
 
 
 def program_settings(config: Config) -> TrajectorySettings:
-    """Lengths and filters of the motions, from sections ``signals``, ``arm`` and ``experiment``."""
+    """Lengths and shapes of the arm's motions, from sections ``signals``, ``arm`` and ``experiment``."""
     e = config["experiment"]
-    samples = e["validation_samples"]
+    t1, t2, t3, t4 = (e[name.lower()] for name in VALIDATION)
     return replace(
         identification_settings(config),
         geometry=ArmGeometry(*config["arm"]["link_lengths_m"]),
-        t1=RandomMotion(samples, e["random_bands"], e["random_range_rad"], e["random_range_of"]),
-        t2=Circle(samples),
-        t3=Profile(samples),
-        t4=Sinusoid(samples),
+        duration=e["duration_s"],
+        t1=RandomMotion(t1["samples"], t1["bands"], t1["range_rad"], t1["range_of"]),
+        t2=Circle(t2["samples"], t2["turns"], t2["centre"]),
+        t3=Profile(t3["samples"], t3["levels"]),
+        t4=Sinusoid(t4["samples"], tuple(t4["amplitude_rad"]), tuple(t4["frequency_hz"])),
     )
 
 
@@ -77,16 +85,12 @@ def check_program(config: Config, program: ReferenceTrajectory) -> None:
     check_limits(program, true_parameters(config), limits(config))
 
 
-def program_from_config(
-    config: Config, name: str, seed: int | None = None, duration: float | None = None
-) -> ReferenceTrajectory:
-    """One of the motions, within what the arm can do."""
+def program_from_config(config: Config, name: str, seed: int | None = None) -> ReferenceTrajectory:
+    """One of the motions, within what the arm can do; T1 with a seed of its own if there is one."""
     if name not in PROGRAMS:
         raise InputError.at("motion", repr(name), f"one of {', '.join(PROGRAMS)}")
-    settings = program_settings(config)
-    settings = settings if duration is None else replace(settings, duration=duration)
     rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
-    return permitted_trajectory(name, settings, rng, true_parameters(config), limits(config))
+    return permitted_trajectory(name, program_settings(config), rng, true_parameters(config), limits(config))
 
 
 def metadata_for(program: ReferenceTrajectory, config: Config) -> CaptureMetadata:
@@ -96,30 +100,27 @@ def metadata_for(program: ReferenceTrajectory, config: Config) -> CaptureMetadat
     return CaptureMetadata(program.name, program.q.shape[1], program.n1, program.n2, program.h, load, control)
 
 
-def disturbance(config: Config, seed: int) -> tuple[Unmodelled, Array]:
-    """What Eq. 1 leaves out of one arm."""
-    a, rng = config["arm"], stream(seed, Stream.PLANT)
-    phase = rng.uniform(0.0, 2.0 * np.pi, 2)
-    stribeck, ripple = rng.uniform(1.0 - a["variation"], 1.0 + a["variation"], 2).tolist()
+def disturbance(config: Config) -> tuple[Unmodelled, Array]:
+    """What Eq. 1 leaves out of the arm: levels, and phases (2,) of the ripple, rad."""
+    a = config["arm"]
     levels = Unmodelled(
-        stribeck=(a["stribeck"][0] * stribeck, a["stribeck"][1] * stribeck),
+        stribeck=tuple(a["stribeck"]),
         stribeck_velocity=a["stribeck_velocity_rad_s"],
-        ripple=(a["ripple_nm"][0] * ripple, a["ripple_nm"][1] * ripple),
+        ripple=tuple(a["ripple_nm"]),
         ripple_cycles=a["ripple_cycles"],
+        load_friction=tuple(a["load_friction"]),
         dead_band=a["dead_band_counts"],
     )
-    return levels, phase
+    return levels, np.array(a["ripple_phase_rad"])
 
 
-def board_from_config(config: Config, seed: int | None = None, make: type[Board] = Board) -> Board:
+def board_from_config(config: Config, make: type[Board] = Board) -> Board:
     """Simulated board with its arm; `make` is what simulates the board."""
-    seed = config["experiment"]["seed"] if seed is None else seed
     beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
-    levels, phase = disturbance(config, seed)
-    stated = {name: config["arm"][name] for name in ("parameters", "back_emf_nm_s_per_rad")}
+    levels, phase = disturbance(config)
+    stated = {name: config["arm"][name] for name in ("parameters", "further_viscous_nm_s_per_rad")}
     effects = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(levels).items()}
-    del effects["load_friction"]  # this arm has none
-    identity = {"board": "simulated", "arm": {**stated, **effects, "ripple_phase": phase.tolist(), "seed": seed}}
+    identity = {"board": "simulated", "arm": {**stated, **effects, "ripple_phase": phase.tolist()}}
     return make(lambda: Plant(beta, h, levels, phase), control_constants(config).torque_per_count, identity)
 
 

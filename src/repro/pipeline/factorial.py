@@ -1,7 +1,7 @@
-"""The factorial: its cells, methods without a network, and effects of the factors; blocks are specimens of the arm.
+"""The factorial: its cells, methods without a network, and effects of the factors; blocks are accepted experiments.
 
-Factors of two levels: the motion of line 18, the motions of the training, the unit of omega in the filter, the motors'
-back-EMF, the time factor of the metric in search and scores, and the reader: Algorithm 1, or a plain network.
+Factors of two levels: the motion of line 18, the motions of the training, the time factor of the metric in search and
+scores, and the reader: Algorithm 1, or a plain network.
 """
 
 from collections.abc import Sequence
@@ -17,9 +17,9 @@ from repro.config import merged
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
 from repro.model.parameters import Array
+from repro.pipeline.accepted import of_this_unit, read_accepted
 from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import Scores
-from repro.pipeline.simulated_arms import CONFIRMATION, read_blocks
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
 
@@ -29,18 +29,17 @@ class Cell:
 
     reader: str  # "cnn" or "plain"
     motions: str  # "ideal": Eq. 10; "tracked": closed-loop motions
-    omega: str  # unit of omega
     image_motions: tuple[ImageMotion, ...]  # motions of line 18 that it is used with; of a plain network none
 
 
 #: Networks by name. One trained on Eq. 10 alone serves both motions of line 18, which are equal there.
-CELLS: dict[str, Cell] = {}
-for _omega in ("rad_per_s", "index"):
-    CELLS[f"cnn-ideal-{_omega}"] = Cell("cnn", "ideal", _omega, ("measured", "desired"))
-    CELLS[f"cnn-tracked-measured-{_omega}"] = Cell("cnn", "tracked", _omega, ("measured",))
-    CELLS[f"cnn-tracked-desired-{_omega}"] = Cell("cnn", "tracked", _omega, ("desired",))
-    for _motions in ("ideal", "tracked"):
-        CELLS[f"plain-{_motions}-{_omega}"] = Cell("plain", _motions, _omega, ())
+CELLS: dict[str, Cell] = {
+    "cnn-ideal": Cell("cnn", "ideal", ("measured", "desired")),
+    "cnn-tracked-measured": Cell("cnn", "tracked", ("measured",)),
+    "cnn-tracked-desired": Cell("cnn", "tracked", ("desired",)),
+    "plain-ideal": Cell("plain", "ideal", ()),
+    "plain-tracked": Cell("plain", "tracked", ()),
+}
 
 
 def configured(config: Config, cell: Cell, seed: int) -> dict[str, Any]:
@@ -48,7 +47,7 @@ def configured(config: Config, cell: Cell, seed: int) -> dict[str, Any]:
     data: dict[str, Any] = {"motions": cell.motions}
     if cell.reader == "plain":
         data["unmodelled"] = {"noise": config["factorial"]["plain"]["noise"]}
-    changed = {"signals": {"frequency_reading": cell.omega}, "data": data, "training": {"seed": seed}}
+    changed = {"data": data, "training": {"seed": seed}}
     if len(cell.image_motions) == 1:
         changed["algorithm1"] = {"image_motion": cell.image_motions[0]}
     return merged(config, changed)
@@ -56,48 +55,46 @@ def configured(config: Config, cell: Cell, seed: int) -> dict[str, Any]:
 
 METRICS: dict[str, MetricSettings] = {formula: MetricSettings(formula) for formula in TIME_FORMULAS}
 COLUMNS = (
-    "reader", "image_motion", "training", "omega", "back_emf", "metric", "block", "arm", "training_seed",
-    "search_seed", "id", "validation", "error", "met",
+    "reader", "image_motion", "training", "metric", "experiment", "training_seed", "search_seed", "id", "validation",
+    "error", "met",
 )  # fmt: skip
 
 
-def score_references(recordings: Path, config: Config) -> pd.DataFrame:
-    """Least squares, bounded least squares and the true parameters on every block, for both units of omega."""
+def score_references(experiments: Path, recordings: Path, config: Config) -> pd.DataFrame:
+    """Least squares, bounded least squares and the true parameters on every block."""
     rows = []
-    for omega in dict.fromkeys(cell.omega for cell in CELLS.values()):
-        c = merged(config, {"signals": {"frequency_reading": omega}})
-        for block in read_blocks(recordings, c):
-            scores = Scores(block.recordings, c)
-            estimates = {name: METHODS[name].estimate(scores.regressions[0]).beta for name in ("ordinary", "bounded")}
-            for (reader, beta), metric in product([*estimates.items(), ("true", block.true)], METRICS):
-                own = {"reader": reader, "omega": omega, "metric": metric}
-                rows.append({**own, **block.labels, **scores(beta, METRICS[metric])})
-    return pd.DataFrame(rows)[["reader", "omega", "back_emf", "metric", "block", "arm", "id", "validation"]]
+    for block in of_this_unit(read_accepted(experiments, recordings, config), config):
+        scores = Scores(block.recordings, config)
+        estimates = {name: METHODS[name].estimate(scores.regressions[0]).beta for name in ("ordinary", "bounded")}
+        for (reader, beta), metric in product([*estimates.items(), ("true", block.true)], METRICS):
+            rows.append(
+                {"reader": reader, "metric": metric, "experiment": block.number, **scores(beta, METRICS[metric])}
+            )
+    return pd.DataFrame(rows)[["reader", "metric", "experiment", "id", "validation"]]
 
 
 #: Level of each factor that counts as high; an effect is high minus low.
-HIGH = {"image_motion": "desired", "training": "tracked", "omega": "index", "back_emf": "high"}
-HIGH |= {"metric": "energy", "reader": "plain"}
+HIGH = {"image_motion": "desired", "training": "tracked", "metric": "energy", "reader": "plain"}
 #: Factors of the image CNN with Algorithm 1, and of both readers.
-OF_CNN = ("image_motion", "training", "omega", "back_emf", "metric")
-OF_BOTH = ("reader", "training", "omega", "back_emf", "metric")
+OF_CNN = ("image_motion", "training", "metric")
+OF_BOTH = ("reader", "training", "metric")
 RESPONSES = ("id", "validation", "error")
 
 
 def contrast(scores: pd.DataFrame, factors: Sequence[str], effect: Sequence[str], response: str) -> pd.DataFrame:
-    """Mean over the cells with a positive sign minus that over the others, of each block (row) and seed (column).
+    """Mean over the cells with a positive sign minus that over the others, of each experiment (row) and seed (column).
 
     A cell's sign is the product over the factors of `effect`, so that for two it is half the difference of differences.
     """
-    cells = scores.groupby(["block", "training_seed", *factors])[response].mean().reset_index()
+    cells = scores.groupby(["experiment", "training_seed", *factors])[response].mean().reset_index()
     sign = np.prod([np.where(cells[name] == HIGH[name], 1.0, -1.0) for name in effect], axis=0)
-    sides = [cells["block"], cells["training_seed"], np.where(sign > 0, "plus", "minus")]
+    sides = [cells["experiment"], cells["training_seed"], np.where(sign > 0, "plus", "minus")]
     means = cells.groupby(sides)[response].mean().unstack()
     return (means["plus"] - means["minus"]).unstack("training_seed")
 
 
 def interval(values: Array) -> tuple[float, float, float]:
-    """Mean of blocks (rows) crossed with training seeds (columns), and its 95 % interval.
+    """Mean of experiments (rows) crossed with training seeds (columns), and its 95 % interval.
 
     Both are samples: the variances of the means of rows and of columns over their numbers add up; degrees of freedom by
     Welch and Satterthwaite.
@@ -120,14 +117,12 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
     In column `of` ``cnn`` is Algorithm 1, ``reader`` the plain network compared with it over both motions of line 18,
     and ``reader, desired motion`` compared with its better one.
     """
-    back_emf = np.where(scores["back_emf"] == scores["back_emf"].min(), "low", "high")
-    leveled = scores.assign(back_emf=back_emf, block=scores["block"].astype(str))
-    cnn = leveled[leveled["reader"] == "cnn"]
-    plain = leveled[leveled["reader"] == "plain"]
+    cnn = scores[scores["reader"] == "cnn"]
+    plain = scores[scores["reader"] == "plain"]
     of_desired = pd.concat([cnn[cnn["image_motion"] == "desired"], plain])
     comparisons: list[tuple[str, pd.DataFrame, Sequence[str], list[tuple[str, ...]]]] = [
         ("cnn", cnn, OF_CNN, [*((name,) for name in OF_CNN), *combinations(OF_CNN, 2)]),
-        ("reader", leveled, OF_BOTH, [("reader",), *(("reader", name) for name in OF_BOTH[1:])]),
+        ("reader", scores, OF_BOTH, [("reader",), *(("reader", name) for name in OF_BOTH[1:])]),
         ("reader, desired motion", of_desired, OF_BOTH, [("reader",)]),
     ]
     rows = []
@@ -135,17 +130,14 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
         for effect, response in product(chosen, RESPONSES):
             if response == "error" and "metric" in effect:
                 continue  # an estimate does not depend on the metric
-            values = contrast(frame, factors, effect, response)
-            held_out, own = values.index == CONFIRMATION, (of, " x ".join(effect), response)
-            estimated, confirmed = values[~held_out].to_numpy(), float(values[held_out].to_numpy().mean())
-            rows.append((*own, *interval(estimated), *estimated.shape, confirmed))
-    columns = ("of", "effect", "response", "value", "low", "high", "blocks", "training_seeds", "confirmation")
+            values = contrast(frame, factors, effect, response).to_numpy()
+            rows.append((of, " x ".join(effect), response, *interval(values), *values.shape))
+    columns = ("of", "effect", "response", "value", "low", "high", "experiments", "training_seeds")
     return pd.DataFrame(rows, columns=list(columns))
 
 
 def cell_means(scores: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
-    """Mean of each cell over blocks and seeds, and the methods that need no network."""
-    names = ["reader", "image_motion", "training", "omega", "back_emf", "metric"]
+    """Mean of each cell over experiments and seeds, and the methods that need no network."""
+    names = ["reader", "image_motion", "training", "metric"]
     both = pd.concat([scores, references], ignore_index=True).fillna({"image_motion": "", "training": ""})
-    both = both[both["block"].astype(str) != CONFIRMATION]
     return both.groupby(names, sort=False)[["id", "validation", "error", "met"]].mean().reset_index()

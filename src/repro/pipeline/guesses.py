@@ -11,12 +11,12 @@ from repro.identification.algorithm1.search import ImageMotion, ResidualEstimato
 from repro.identification.least_squares import METHODS
 from repro.identification.method import BASELINES
 from repro.model.parameters import Array
-from repro.pipeline.accepted import GUESSES, experiment_of, read_experiments, recordings_of
+from repro.pipeline.accepted import GUESSES, read_accepted
 from repro.pipeline.identifications import prepare_recording
 from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.progress import Progress
-from repro.settings import metric_settings
+from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
@@ -25,20 +25,21 @@ from repro.streams import Stream, stream
 METHOD_MOTIONS: dict[str, ImageMotion] = {"algorithm1": "measured", "algorithm1+desired": "desired"}
 
 
-def search_accepted(number: int, experiments: Path, counts: Path, weights: Path, config: Config) -> pd.DataFrame:
+def search_accepted(number: int, experiments: Path, recordings: Path, weights: Path, config: Config) -> pd.DataFrame:
     """Scores of one experiment: least squares, the true parameters, and Algorithm 1 within each budget of guesses."""
-    table, a, metric = read_experiments(experiments), config["accepted"], metric_settings(config)
-    place = int(np.flatnonzero(table["experiment"] == number)[0])
-    experiment = experiment_of(table.iloc[place].to_dict(), config)
-    recordings = recordings_of(experiment, place, counts, config)
-    regressions = [recording.regression(experiment.signals) for recording in recordings]
+    a, metric = config["accepted"], metric_settings(config)
+    place, experiment = next(
+        (k, one) for k, one in enumerate(read_accepted(experiments, recordings, config)) if one.number == number
+    )
+    signals, recorded = signal_settings(experiment.config), experiment.recordings
+    regressions = [recording.regression(signals) for recording in recorded]
     scorers = [TorqueScorer(r.tau, r.y, metric) for r in regressions]
     rows: list[dict[str, Any]] = []
 
     def add(beta: Array, **labels: Any) -> None:  # noqa: ANN401
         for case, scorer in zip(PROGRAMS, scorers, strict=True):
             s = scorer(beta)
-            own = {"experiment": number, "unit": experiment.signals.omega_unit, **labels, "case": case}
+            own = {"experiment": number, "unit": signals.omega_unit, **labels, "case": case}
             for j in range(2):
                 values = {"time": s.time[j], "frequency": s.frequency[j], "total": s.total[j]}
                 rows.append({**own, "joint": j + 1, **values})
@@ -53,7 +54,7 @@ def search_accepted(number: int, experiments: Path, counts: Path, weights: Path,
             continue
         further = a["further_guesses"] if name == "algorithm1" and place < a["further_experiments"] else []
         budgets = [*a["guesses"], *further]
-        prepared = prepare_recording(recordings[0], None, experiment.signals, motion)
+        prepared = prepare_recording(recorded[0], None, signals, motion)
         estimator = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
         progress = Progress(f"experiment {number}, {name}, seed {seed}")
         found = search_in_turn(estimator, prepared, algorithm1.search, stream(seed, Stream.LONG_SEARCH), budgets)

@@ -71,11 +71,11 @@ def read_mean_torque(path: Path, signals: SignalSettings) -> Array:
 
 def motion_of(trajectory: str, config: Config, seed: int) -> Motion:
     """Motion that estimates are scored on: ``ID`` (Eq. 10) or ``validation``, the random one of a seed (Fig. 16)."""
-    signals, numeric = signal_settings(config), config["numeric"]
+    signals = signal_settings(config)
     if trajectory == "ID":
         return identification_trajectory(signals.duration, signals.h)
-    rng, duration = stream(seed, Stream.VALIDATION), numeric["validation_samples"] * signals.h
-    return random_trajectory(rng, duration, signals.h, signals.c_f, numeric["validation_frequency_reading"])
+    rng, duration = stream(seed, Stream.VALIDATION), config["numeric"]["validation_samples"] * signals.h
+    return random_trajectory(rng, duration, signals.h, signals.c_f, "index")  # Table 7 requires it
 
 
 def _arms(config: Config) -> Iterator[tuple[str, Array, Regression]]:

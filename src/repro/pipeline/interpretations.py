@@ -35,7 +35,7 @@ _ENERGY = {"metric": {"time_formula": "energy"}}
 VARIANTS: dict[str, Variant] = {
     "default": Variant("default", "as configured"),
     "omega-hertz": Variant(_OMEGA, "Hz", {"signals": {"frequency_reading": "hertz"}}),
-    "omega-index": Variant(_OMEGA, "DCT index", {"signals": {"frequency_reading": "index"}}),
+    "omega-rad": Variant(_OMEGA, "rad/s", {"signals": {"frequency_reading": "rad_per_s"}}),
     "motion-normalised": Variant("motion inside f", *_NORMALISED),
     "ranges-published": Variant("training ranges", "as printed", {"data": {"prior": "published"}}),
     "label-physical": Variant("label scale", "SI units", {"data": {"label": "physical"}}),
@@ -53,8 +53,6 @@ VARIANTS: dict[str, Variant] = {
     "tracked-guesses": Variant("guesses of line 17", "up to 1, tracked motions", _UP_TO_1, "tracked", "tracked"),
     "metric-energy": Variant("time factor of metr2ev", "energy ratio", _ENERGY, of="default"),
     "check-definite": Variant("physically possible", "positive-definite inertia", _DEFINITE, of="default"),
-    "limit-20": Variant("L_exe", "20 guesses", {"algorithm1": {"inner_limit": 20}}, of="default"),
-    "limit-1000": Variant("L_exe", "1000 guesses", {"algorithm1": {"inner_limit": 1000}}, of="default"),
 }
 
 

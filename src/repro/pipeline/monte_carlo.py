@@ -1,7 +1,7 @@
-"""Methods compared over the simulated arms of the Monte Carlo study.
+"""Methods compared over the accepted experiments.
 
-The value of a method for an arm is the mean of its totals over T1 to T4 and both joints, so that the dependent cells of
-an arm count once. The difference of a pair of methods has one value per arm; all statements on pairs are valid at once.
+The value of a method for an experiment is the mean of its totals over T1 to T4 and both joints, so that the dependent
+cells count once. The difference of a pair of methods has one value each; all statements on pairs are valid at once.
 """
 
 from collections.abc import Sequence
@@ -21,22 +21,13 @@ EQUIVALENT = 0.005
 #: Probability of one false statement in a family of pairs.
 FAMILY_LEVEL = 0.05
 BETTER, WORSE, SAME, OPEN = "better", "worse", "equivalent", "open"
-ALL = "all"  # the larger of the two sets of arms that are compared
 COMPARISON_COLUMNS = (
-    "set", "duration", "method", "opponent", "arms", "wins", "difference", "low", "high", "p", "p_holm", "conclusion",
+    "method", "opponent", "experiments", "wins", "difference", "low", "high", "p", "p_holm", "conclusion",
 )  # fmt: skip
 
 
-def chatters(recorded: Recording) -> bool:
-    """Whether three quarters of the power of a joint's torque on ID are above 25 Hz; those of the captures are 0.21."""
-    tau = recorded.tau - recorded.tau.mean(axis=-1, keepdims=True)
-    power = np.abs(np.fft.rfft(tau, axis=-1)) ** 2
-    fast = np.fft.rfftfreq(tau.shape[-1], recorded.program.h) > 25.0
-    return bool((power[..., fast].sum(axis=-1) > 0.75 * power.sum(axis=-1)).any())
-
-
 class Scores:
-    """Similarity of estimates on the recordings of one arm, the one that is identified from first."""
+    """Similarity of estimates on the recordings of one experiment, the one that is identified from first."""
 
     def __init__(self, recordings: Sequence[Recording], config: Config) -> None:
         self.regressions = [recording.regression(signal_settings(config)) for recording in recordings]
@@ -51,23 +42,16 @@ class Scores:
 
 
 def comparisons(scores: pd.DataFrame, methods: Sequence[str], opponents: Sequence[str]) -> pd.DataFrame:
-    """Compare each method with each opponent, for each duration, on all arms and on those of which no run chatters.
-
-    A family is the pairs of one set of arms and one duration.
-    """
+    """Compare each method with each opponent; the pairs are one family."""
     validated = scores[scores["case"] != "ID"]
-    of_arms = validated.groupby(["duration", "arm", "method"])["total"].mean().unstack()
+    values = validated.groupby(["experiment", "method"])["total"].mean().unstack()
     pairs, rows = [*product(methods, opponents)], []
-    steady = of_arms[validated.groupby(["duration", "arm"])["chatter"].max() == 0]
-    for name, kept in ((ALL, of_arms), ("without chatter", steady)):
-        for duration, family in kept.groupby("duration"):
-            differences = [(family[method] - family[opponent]).to_numpy() for method, opponent in pairs]
-            p = np.array([_signed_rank_p(d) for d in differences])
-            for (method, opponent), d, own, adjusted in zip(pairs, differences, p, holm(p), strict=True):
-                middle, low, high = interval(d, 1.0 - FAMILY_LEVEL / len(pairs))
-                conclusion = conclude(low, high, middle * (adjusted < FAMILY_LEVEL))
-                found = (len(d), int((d > 0).sum()), middle, low, high, own, adjusted, conclusion)
-                rows.append((name, duration, method, opponent, *found))
+    differences = [(values[method] - values[opponent]).to_numpy() for method, opponent in pairs]
+    p = np.array([_signed_rank_p(d) for d in differences])
+    for pair, d, own, adjusted in zip(pairs, differences, p, holm(p), strict=True):
+        middle, low, high = interval(d, 1.0 - FAMILY_LEVEL / len(pairs))
+        conclusion = conclude(low, high, middle * (adjusted < FAMILY_LEVEL))
+        rows.append((*pair, len(d), int((d > 0).sum()), middle, low, high, own, adjusted, conclusion))
     return pd.DataFrame(rows, columns=list(COMPARISON_COLUMNS))
 
 

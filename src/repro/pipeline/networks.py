@@ -16,6 +16,7 @@ from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, select
 from repro.model.parameters import FEASIBILITY, Array
+from repro.pipeline.accepted import of_this_unit, read_accepted
 from repro.pipeline.experiment import read_recordings, true_parameters
 from repro.pipeline.factorial import CELLS, COLUMNS, METRICS, configured
 from repro.pipeline.identifications import (
@@ -31,8 +32,8 @@ from repro.pipeline.identifications import (
 )
 from repro.pipeline.interpretations import MEASURED, VARIANTS, configuration_of
 from repro.pipeline.job import Config
-from repro.pipeline.monte_carlo import Scores, chatters
-from repro.pipeline.simulated_arms import read_blocks, read_spread, training_motion
+from repro.pipeline.monte_carlo import Scores
+from repro.pipeline.simulated_arms import training_motion
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, model_card, network_name, take_stored
 from repro.progress import Progress, over
 from repro.settings import (
@@ -88,6 +89,11 @@ def for_the_arm(algorithm1: Algorithm1, config: Config) -> Algorithm1:
     return replace(algorithm1, search=replace(algorithm1.search, threshold=config["experiment"]["threshold"]))
 
 
+def with_limit(algorithm1: Algorithm1, inner_limit: int) -> Algorithm1:
+    """The same with another number of guesses in an execution."""
+    return replace(algorithm1, search=replace(algorithm1.search, inner_limit=inner_limit))
+
+
 def identify_numeric(
     suffix: str, weights: Path, mean_torque: Path, seeds: Sequence[int], trained_as: str, config: Config
 ) -> list[dict[str, Any]]:
@@ -115,29 +121,29 @@ def identify_experiment(
 
 
 def score_spread(
+    experiments: Path,
     recordings: Path,
     weights: Sequence[Path],
     mean_torque: Path,
-    index: int,
     trained_as: Mapping[str, str],
     config: Config,
 ) -> pd.DataFrame:
-    """Similarity of every method on every motion of every specimen, for identification duration `index`."""
-    signals, duration = signal_settings(config), config["spread"]["durations_s"][index]
-    tau_mean, specimens = read_mean_torque(mean_torque, signals), read_spread(recordings, config, index)
+    """Similarity of every method on every motion of every accepted experiment with this unit of omega."""
+    signals, limit = signal_settings(config), config["spread"]["inner_limit"]
+    tau_mean, chosen = read_mean_torque(mean_torque, signals), read_accepted(experiments, recordings, config)
     networks = [
-        for_the_arm(algorithm1_of(name, file, of_network(config, name), digest), config)
+        with_limit(for_the_arm(algorithm1_of(name, file, of_network(config, name), digest), config), limit)
         for file, (name, digest) in zip(weights, trained_as.items(), strict=True)
     ]
     frames = []
-    for one in over(specimens, f"spread, identification of {duration:.4g} s"):
+    for one in over(of_this_unit(chosen, config), "methods on accepted experiments"):
         recorded = one.recordings[0]
-        runs = [identify_recording(each, recorded, tau_mean, signals, one.seed, one.true) for each in networks]
-        runs.append(least_squares_of(recorded, signals, one.true, one.seed))
+        runs = [identify_recording(each, recorded, tau_mean, signals, one.number, one.true) for each in networks]
+        runs.append(least_squares_of(recorded, signals, one.true, one.number))
         scores = score_runs(runs, one.recordings, signals, metric_settings(config))
-        frames.append(scores.assign(**one.labels, chatter=int(chatters(recorded))))
+        frames.append(scores.assign(experiment=one.number))
     table = pd.concat(frames, ignore_index=True)
-    return table[["case", "joint", "method", "duration", "arm", "chatter", "seed", "time", "frequency", "total"]]
+    return table[["case", "joint", "method", "experiment", "time", "frequency", "total"]]
 
 
 def train_variant(trained: str, weights: Path, history: Path, tracked: Path, checkpoint: str, config: Config) -> None:
@@ -213,19 +219,28 @@ def search_under(
 
 
 def score_cell(
-    cell: str, seed: int, search: int, weights: Path, recordings: Path, mean_torque: Path, config: Config
+    cell: str,
+    seed: int,
+    search: int,
+    weights: Path,
+    experiments: Path,
+    recordings: Path,
+    mean_torque: Path,
+    config: Config,
 ) -> pd.DataFrame:
     """Similarities of one network and one seed of guesses on every block; of a plain network, which has no guesses."""
     levels, rows = CELLS[cell], []
     c = configured(config, levels, seed)
-    signals = signal_settings(c)
-    tau_mean, blocks = read_mean_torque(mean_torque, signals), read_blocks(recordings, c)
+    signals, f = signal_settings(c), c["factorial"]
+    tau_mean = read_mean_torque(mean_torque, signals)
+    blocks = of_this_unit(read_accepted(experiments, recordings, c), c)
     if levels.reader == "plain":
-        plain = load_posterior(weights, PlainNetwork(signals.samples, c["factorial"]["plain"]["width"]))
+        plain = load_posterior(weights, PlainNetwork(signals.samples, f["plain"]["width"]))
     else:
-        algorithm1 = for_the_arm(algorithm1_of(cell, weights, c, configuration_digest(c)), c)
-    common = {"reader": levels.reader, "training": levels.motions, "omega": levels.omega, "training_seed": seed}
-    for k, block in enumerate(over(blocks, f"{cell}, seed {seed}, guesses {search}")):
+        of_cell = algorithm1_of(cell, weights, c, configuration_digest(c))
+        algorithm1 = with_limit(for_the_arm(of_cell, c), f["inner_limit"])
+    common = {"reader": levels.reader, "training": levels.motions, "training_seed": seed, "search_seed": search}
+    for block in over(blocks, f"{cell}, seed {seed}, guesses {search}"):
         scores = Scores(block.recordings, c)
         for image_motion in levels.image_motions or ("measured",):
             prepared = prepare_recording(block.recordings[0], tau_mean, signals, image_motion)
@@ -234,10 +249,10 @@ def score_cell(
                 found = dict.fromkeys(METRICS, (prepared.torque_scale * first, 0))
             else:
                 reader = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
-                rng = stream(search, Stream.FACTORIAL_SEARCH, k)
+                rng = stream(search, Stream.FACTORIAL_SEARCH, block.number)
                 found, first = search_under(reader, prepared, algorithm1.search, rng)
             error = float(np.sqrt(np.mean((first - block.true / prepared.torque_scale) ** 2)))
-            own = {**common, **block.labels, "search_seed": search, "error": error}
+            own = {**common, "experiment": block.number, "error": error}
             own["image_motion"] = image_motion if levels.image_motions else ""
             rows += [{**own, "metric": m, **scores(x, METRICS[m]), "met": met} for m, (x, met) in found.items()]
     return pd.DataFrame(rows)[list(COLUMNS)]

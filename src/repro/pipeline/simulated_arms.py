@@ -1,12 +1,11 @@
-"""Arms simulated behind the board: those that a network is trained on, many of a Monte Carlo study, and a factorial's.
+"""Many arms simulated behind the board, such as those that a network is trained on.
 
 Training on closed-loop motions (``data.motions: tracked``) is an extension: the paper trains on Eq. 10 exactly.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -22,20 +21,12 @@ from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import NOTHING, Plant, Unmodelled
 from repro.identification.algorithm1.preprocessing import derivatives
 from repro.model.parameters import Array, Links, inertial_from_links
-from repro.pipeline.experiment import (
-    Recording,
-    control_constants,
-    disturbance,
-    identification_settings,
-    limits,
-    program_from_config,
-    true_parameters,
-)
+from repro.pipeline.experiment import control_constants, identification_settings, limits
 from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.settings import signal_settings
 from repro.signals.dct import SignalSettings
-from repro.signals.programs import PROGRAMS, VALIDATION, ReferenceTrajectory, identification_reference, peaks
+from repro.signals.programs import ReferenceTrajectory, identification_reference, peaks
 from repro.signals.trajectories import Motion, identification_trajectory
 from repro.streams import Stream, stream
 
@@ -43,8 +34,6 @@ from repro.streams import Stream, stream
 Draw = Callable[[np.random.Generator, int, Config], Array]
 #: Counts that a board sends.
 Counts = NDArray[np.int16]
-#: Name of the factorial's block that no effect is estimated from: an arm and a specimen frozen before, scored once.
-CONFIRMATION = "confirmation"
 #: Arms drawn without one that fits, after which a draw ends.
 MOST_REFUSED = 10_000_000
 
@@ -174,111 +163,3 @@ def training_motion(config: Config, tracked: Path | None = None) -> SampledMotio
     position = stored("position", (config["data"]["tracked"]["arms"], *sent.q.shape))
     desired = config["algorithm1"]["image_motion"] == "desired"
     return sampled_tracks(position * RADIANS_PER_COUNT, sent, signals, unmodelled, desired)
-
-
-@dataclass(frozen=True)
-class Specimen:
-    """One arm with its share of unmodelled effects and its random motion."""
-
-    seed: int  # of what Eq. 1 leaves out, and of T1
-    labels: Mapping[str, Any]  # its columns in tables
-    true: Array
-    recordings: Sequence[Recording]  # of ID, then of T1 to T4
-
-
-#: Motions of each specimen by their names in the file.
-Programs = Mapping[str, Sequence[ReferenceTrajectory]]
-
-
-def _simulate_specimens(config: Config, seeds: Sequence[int], beta: Array, programs: Programs) -> dict[str, Any]:
-    """Parameters (n, 9) of specimens and their counts on each motion, simulated as one batch, which shares substeps."""
-    desired = [program.q for program in chain(*programs.values())]
-    longest = max(q.shape[-1] for q in desired)
-    held = np.stack([np.pad(q, ((0, 0), (0, longest - q.shape[-1])), mode="edge") for q in desired])
-    levels, phases = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
-    arms, phase = (np.tile(each, (len(programs), 1)) for each in (beta, phases))
-    counts = run_loop(config, arms, held, "runs", levels * len(programs), phase)
-    kept: dict[str, Any] = {"parameters": beta}
-    for k, (name, of_motion) in enumerate(programs.items()):
-        own = np.s_[k * len(beta) : (k + 1) * len(beta), :, : of_motion[0].q.shape[-1]]
-        kept |= {f"{name}/position": counts[0][own], f"{name}/pwm": counts[1][own]}
-    return kept
-
-
-def _read_specimens(
-    path: Path, config: Config, seeds: Sequence[int], labels: Sequence[Mapping[str, Any]], programs: Programs
-) -> list[Specimen]:
-    """Specimens with their parameters and recordings."""
-    stored, n, recordings = _stored(path, "recordings of simulated arms"), len(seeds), []
-    true = stored("parameters", (n, 9))
-    for name, of_motion in programs.items():
-        position, pwm = (stored(f"{name}/{what}", (n, *of_motion[0].q.shape)) for what in ("position", "pwm"))
-        # The board received the positions in single precision.
-        sent = [replace(program, q=program.q.astype(np.float32).astype(np.float64)) for program in of_motion]
-        recordings.append([Recording.of_counts(*one, config) for one in zip(sent, position, pwm, strict=True)])
-    return [Specimen(*each) for each in zip(seeds, labels, true, zip(*recordings, strict=True), strict=True)]
-
-
-def spread_arms(config: Config) -> Array:
-    """Arms of the spread: that of section ``arm``, and others that can do the same motions."""
-    count = config["spread"]["arms"]
-    programs = _spread_programs(config, *range(len(config["spread"]["durations_s"])))
-    fastest = min((own[0] for name, own in programs.items() if "ID" in name), key=lambda motion: motion.q.shape[1])
-    drawn = draw_arms(stream(config["experiment"]["seed"], Stream.SPREAD_ARMS), 8 * count, config)
-    drawn[:, 5:7] += config["arm"]["back_emf_nm_s_per_rad"]  # all arms have the same motors
-    for program in chain(*programs.values()):
-        drawn = drawn[is_within_limits(config, drawn, program)]
-    arms = np.stack([true_parameters(config), *drawn])
-    tracked = tracks(config, run_loop(config, arms, fastest.q)[0], fastest)  # the loop of a light arm may diverge
-    tracked[0] = True  # the arm of the captures
-    if tracked.sum() < count:
-        raise InputError.at("spread.arms", count, f"at most {tracked.sum()}, of {8 * count} drawn ones that can")
-    return np.asarray(arms[tracked][:count])
-
-
-def _spread_programs(config: Config, *indices: int) -> Programs:
-    """Motions of every seed, with ID of these durations."""
-    seeds, durations = config["spread"]["seeds"], config["spread"]["durations_s"]
-    own = {f"ID{k}": [program_from_config(config, "ID", duration=durations[k])] * len(seeds) for k in indices}
-    return own | {name: [program_from_config(config, name, seed) for seed in seeds] for name in VALIDATION}
-
-
-def simulate_spread(config: Config, out: Path) -> None:
-    """Simulate every seed on every motion and identification duration, and keep the counts."""
-    seeds, arms = config["spread"]["seeds"], spread_arms(config)
-    programs = _spread_programs(config, *range(len(config["spread"]["durations_s"])))
-    write_tensors(out, _simulate_specimens(config, seeds, arms[np.arange(len(seeds)) % len(arms)], programs))
-
-
-def read_spread(path: Path, config: Config, index: int) -> list[Specimen]:
-    """Recordings of every seed for one identification duration."""
-    seeds, durations, arms = (config["spread"][name] for name in ("seeds", "durations_s", "arms"))
-    labels = [{"duration": durations[index], "arm": k % arms} for k in range(len(seeds))]
-    return _read_specimens(path, config, seeds, labels, _spread_programs(config, index))
-
-
-def _blocks(config: Config) -> tuple[list[int], list[dict[str, Any]], Programs]:
-    """Seeds, labels and motions of every specimen with both back-EMFs; the arms take turns."""
-    f = config["factorial"]
-    names = [(seed, str(seed), ("first", "second")[k % 2]) for k, seed in enumerate(f["specimens"])]
-    names.append((f["confirmation_specimen"], CONFIRMATION, CONFIRMATION))
-    blocks = [
-        (seed, {"block": block, "arm": arm, "back_emf": back_emf})
-        for seed, block, arm in names
-        for back_emf in f["back_emf_nm_s_per_rad"]
-    ]
-    seeds, labels = map(list, zip(*blocks, strict=True))
-    return seeds, labels, {name: [program_from_config(config, name, seed) for seed in seeds] for name in PROGRAMS}
-
-
-def simulate_blocks(config: Config, out: Path) -> None:
-    """Simulate every block on all motions, and keep the counts."""
-    f, (seeds, labels, programs) = config["factorial"], _blocks(config)
-    arms = {"first": config["arm"]["parameters"], "second": f["second_arm"], CONFIRMATION: f["confirmation_arm"]}
-    true = [np.array(arms[one["arm"]]) + one["back_emf"] * np.isin(np.arange(9), (5, 6)) for one in labels]
-    write_tensors(out, _simulate_specimens(config, seeds, np.stack(true), programs))
-
-
-def read_blocks(path: Path, config: Config) -> list[Specimen]:
-    """Recordings of every block."""
-    return _read_specimens(path, config, *_blocks(config))

@@ -28,7 +28,7 @@ def spectrum(x: ArrayLike) -> Array:
     return np.asarray(dct(x, type=2, norm="ortho", axis=-1))
 
 
-def band_frequency(n: int, h: float, unit: FrequencyUnit = "rad_per_s") -> Array:
+def band_frequency(n: int, h: float, unit: FrequencyUnit = "index") -> Array:
     """Compute omega (n,) of each DCT-II band k: pi k / (n h), k / (2 n h), or k itself; the paper does not say."""
     if not 0 < h < np.inf:
         raise ValueError(f"h: the sampling period must be positive and finite, got {h}.")
@@ -39,7 +39,7 @@ def band_frequency(n: int, h: float, unit: FrequencyUnit = "rad_per_s") -> Array
     return omega[unit]
 
 
-def dct2low(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
+def dct2low(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "index") -> Array:
     """Low-pass a signal with a Gaussian in the DCT-II domain (Eq. 14).
 
     Parameters
@@ -75,7 +75,7 @@ def dct2low(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s
     return np.asarray(idct(bands * gain, type=2, norm="ortho", axis=-1))
 
 
-def dct2dev(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "rad_per_s") -> Array:
+def dct2dev(x: ArrayLike, h: float, c_f: float, unit: FrequencyUnit = "index") -> Array:
     """Compute the filtered derivative of a signal (Eq. 6).
 
     The backward difference of the first sample would need a sample before it. The second sample's difference stands
@@ -130,7 +130,7 @@ class SignalSettings:
 
     h: float = 2.5e-3  # sampling period, s
     c_f: float = 1e-4  # filter coefficient of Eq. 6 and 14, s^2 if omega is in rad/s
-    omega_unit: FrequencyUnit = "rad_per_s"  # unit of omega in the filter: as for `low_pass`
+    omega_unit: FrequencyUnit = "index"  # unit of omega in the filter: as for `low_pass`
     samples: int = 100  # length M of the subsampled signals, and side of the image
     duration: float = 3.0 * np.pi  # of the identification trajectory, s
     #: Divide each motion signal inside f by its own maximum, as Eq. 8 prints; unscaled motion keeps Eq. 1 exact.

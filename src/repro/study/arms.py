@@ -18,7 +18,7 @@ from repro.logs.armfile import Arm
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording, limits, program_from_config, program_settings, true_parameters
 from repro.pipeline.job import Config
-from repro.pipeline.simulated_arms import Specimen, draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
+from repro.pipeline.simulated_arms import draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
 from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
@@ -104,8 +104,8 @@ def record(
 
 def excitation_config(config: Config, excitation: str) -> dict[str, Any]:
     """Configuration with the length of an excitation; the slow one has half the pace of Eq. 10."""
-    duration = config["signals"]["duration_s"]
-    return merged(config, {"signals": {"duration_s": duration / 0.5 if excitation == "slow" else duration}})
+    duration = config["signals"]["duration_s"] / (0.5 if excitation == "slow" else 1.0)
+    return merged(config, {section: {"duration_s": duration} for section in ("signals", "experiment")})
 
 
 def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
@@ -178,6 +178,16 @@ def read_choice(path: Path, config: Config, excitation: str) -> tuple[ReferenceT
     kept, _ = read_tensors(path, "motions and arms of the study")
     q, (begin, end) = kept[f"motion/{excitation}"].astype(np.float64), kept[f"proper/{excitation}"].tolist()
     return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"]), kept
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """One arm of the study in one cell."""
+
+    seed: int  # of its guesses
+    labels: Mapping[str, Any]  # its columns in tables
+    true: Array
+    recordings: Sequence[Recording]  # of ID, then of T1 to T4
 
 
 def specimens(config: Config, cells: Sequence[Cell], choice: Path) -> list[Specimen]:

@@ -31,7 +31,9 @@ from repro.streams import Stream, stream
 SAMPLES = 100  # side of the image
 DATA, NETWORK = DataSettings(), NetworkSettings()
 #: What is physically possible is a positive-definite M(q) and positive parameters.
-SEARCH = SearchSettings(threshold=ARM_THRESHOLD, feasibility="positive-definite", metric=UNIT_FREE_METRIC)
+SEARCH = SearchSettings(
+    inner_limit=100, threshold=ARM_THRESHOLD, feasibility="positive-definite", metric=UNIT_FREE_METRIC
+)
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ class SearchSettings:
     """Constants of Algorithm 1."""
 
     executions: int = 100  # N_exe (Section VI)
-    inner_limit: int = 100  # L_exe, guesses within one execution; the paper does not give it
+    inner_limit: int = 1000  # L_exe, guesses within one execution; the paper does not give it
     threshold: float = 0.9282  # d_u: 0.9282 for numeric, 0.9237 for experimental data (Section VI)
     low: float = 1e-3  # smallest guess of line 17, in units of the largest torque
     high: float = 3.0  # largest guess
