@@ -18,7 +18,7 @@ def load_config(path):
 def stub():
     """Stands for `repro.pipeline.experiment`: one motion, whatever its name."""
     module = types.ModuleType("repro.pipeline.experiment")
-    module.board_from_config = lambda config, seed, make: PlayedBoard(FRAMES)
+    module.board_from_config = lambda config, make: PlayedBoard(FRAMES)
     module.program_from_config = lambda config, name: ReferenceTrajectory(name, DESIRED, 10, 190, 0.0025)
     module.check_program = lambda config, program: None
     module.metadata_for = lambda sent, config: metadata(sent.q, motion=sent.name, n1=sent.n1, n2=sent.n2, board=None)

@@ -43,8 +43,9 @@ def short_config():
     config = full_config()
     config["signals"]["duration_s"] = 6.0
     config["board"]["full_torque_nm"] = [8.0, 8.0]
-    config["experiment"] |= {"validation_samples": 2400, "random_range_rad": 0.1, "search_seeds": [1, 2, 3]}
-    return config
+    brief = {"t1": {"samples": 2400, "range_rad": 0.1}, "t2": {"samples": 2400}, "t3": {"samples": 2400}}
+    brief |= {"t4": {"samples": 2400}, "duration_s": 6.0, "search_seeds": [1, 2, 3]}
+    return changed(config, experiment=brief)
 
 
 def followed(program, config):

@@ -1,34 +1,31 @@
-"""Scores of a factorial whose effects are known: a sum of main effects and interactions, the same on every block."""
+"""Scores of a factorial whose effects are known: a sum of main effects and interactions, equal on every experiment."""
 
 import itertools
 
 import numpy as np
 import pandas as pd
 
-from repro.pipeline.factorial import COLUMNS, CONFIRMATION
+from repro.pipeline.factorial import COLUMNS
 
 #: Levels of each factor, the high one last.
 LEVELS = {
     "image_motion": ("measured", "desired"),
     "training": ("ideal", "tracked"),
-    "omega": ("rad_per_s", "index"),
-    "back_emf": (0.0, 0.34),
     "metric": ("mean-square", "energy"),
 }
 #: Effects on a similarity: high minus low level, and half the difference of the differences.
-MAIN = {"image_motion": 0.2, "training": 0.1, "omega": -0.04, "back_emf": 0.02, "metric": -0.01}
-PAIRS = {("image_motion", "training"): 0.06, ("omega", "metric"): -0.008, ("training", "back_emf"): 0.003}
+MAIN = {"image_motion": 0.2, "training": 0.1, "metric": -0.01}
+PAIRS = {("image_motion", "training"): 0.06, ("training", "metric"): -0.008}
 #: Effect of the plain network instead of Algorithm 1, and its interaction with a factor.
 READER, READER_PAIRS = 0.05, {"training": -0.02}
-BLOCKS = {"1": 0.0, "2": 0.01, "3": -0.015, CONFIRMATION: 0.3}
-#: Effects on the confirmation block over those on the others.
-CONFIRMED = 2.0
+#: Shift of every cell by the experiment.
+EXPERIMENTS = {1: 0.0, 2: 0.01, 7: -0.015}
 
 
 def factorial_scores():
     """Rows as `repro.pipeline.networks.score_cell` writes them; searches differ, and their mean does not."""
-    names = ["reader", *LEVELS, "block", "training_seed", "search_seed"]
-    cells = itertools.product(("cnn", "plain"), *LEVELS.values(), BLOCKS, (1, 3), (1, 2))
+    names = ["reader", *LEVELS, "experiment", "training_seed", "search_seed"]
+    cells = itertools.product(("cnn", "plain"), *LEVELS.values(), EXPERIMENTS, (1, 3), (1, 2))
     scores = pd.DataFrame(cells, columns=names)
     # A plain network has no motion of line 18.
     scores = scores[(scores["reader"] == "cnn") | (scores["image_motion"] == "measured")].reset_index(drop=True)
@@ -40,22 +37,21 @@ def factorial_scores():
 
     def similarity(sign):
         total = sum(0.5 * size * np.prod([sign[name] for name in names], axis=0) for names, size in known.items())
-        return 0.5 + np.where(scores["block"] == CONFIRMATION, CONFIRMED, 1.0) * total
+        return 0.5 + total
 
-    shift = scores["block"].map(BLOCKS)
+    shift = scores["experiment"].map(EXPERIMENTS)
     value = similarity(sign) + shift + 0.001 * (scores["search_seed"] - 1.5)
     error = 1.0 - similarity(sign | {"metric": np.ones(len(scores))}) - shift
-    scores = scores.assign(arm="first", id=value, validation=2.0 * value, error=error, met=np.where(plain, 0.0, 40.0))
+    scores = scores.assign(id=value, validation=2.0 * value, error=error, met=np.where(plain, 0.0, 40.0))
     return scores.assign(image_motion=scores["image_motion"].mask(plain, ""))[list(COLUMNS)]
 
 
 def factorial_references():
     """Rows as `repro.pipeline.factorial.score_references` writes them."""
-    names = ("omega", "back_emf", "metric")
     rows = [
-        {"reader": reader, **dict(zip(names, levels, strict=True)), "block": block, "arm": "first", "id": value + shift}
+        {"reader": reader, "metric": metric, "experiment": experiment, "id": value + shift}
         for reader, value in (("ordinary", 0.9), ("bounded", 0.85), ("true", 0.95))
-        for levels in itertools.product(*(LEVELS[name] for name in names))
-        for block, shift in BLOCKS.items()
+        for metric in LEVELS["metric"]
+        for experiment, shift in EXPERIMENTS.items()
     ]
     return pd.DataFrame(rows).assign(validation=lambda f: f["id"] - 0.1)

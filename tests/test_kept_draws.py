@@ -14,7 +14,6 @@ from repro.identification.exciting_motion import Envelope, expected_accuracy, pu
 from repro.identification.uncertainty import resample
 from repro.logs.armfile import Arm
 from repro.paper.metric_search import MOTIONS
-from repro.pipeline.experiment import disturbance
 from repro.pipeline.simulated_arms import draw_arms, draw_built_arms
 from repro.signals.dct import SignalSettings
 from repro.signals.programs import PROGRAMS, TrajectorySettings, peaks, reference_trajectory
@@ -33,7 +32,6 @@ def draws():
     yield "guesses", training_guess(rng(), np.repeat(arms[:1], 12, axis=0), GuessSettings())
     yield "held arms", draw_arms(rng(), 3, config)
     yield "built arms", draw_built_arms(rng(), 3, config)
-    yield "disturbance", [vars(disturbance(config, 5)[0]), disturbance(config, 5)[1]]
     yield "uniform guesses", uniform_guesses(SearchSettings(executions=2, inner_limit=3), rng())
     yield "moves", _move(arms, RefinementSettings(), 0.02, rng())
     yield "resampled", resample(40, 7, rng())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from experiment_example import full_config
+from experiment_example import changed, full_config
 
 from repro import settings
 from repro.cnn.architecture import PaperSchedule, TrainingSettings
@@ -12,17 +12,19 @@ from repro.cnn.image import ImageSettings
 from repro.cnn.priors import GuessSettings
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import ARM_THRESHOLD, SearchSettings
+from repro.model.dynamics import ArmGeometry
 from repro.pipeline.experiment import program_settings
 from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
 from repro.signals.programs import TrajectorySettings
+from repro.signals.validation_motions import Circle, Profile, RandomMotion, Sinusoid
 
 pytestmark = pytest.mark.slow
 
 DEFAULT = full_config()
 #: A value of its own for every key that is passed on by its place, and of the networks' changes.
 CONFIG = yaml.safe_load("""
-signals: {sampling_period_s: 0.005, filter_coefficient: 2.0e-4, frequency_reading: index, image_samples: 64,
+signals: {sampling_period_s: 0.005, filter_coefficient: 2.0e-4, frequency_reading: hertz, image_samples: 64,
           duration_s: 7.5, normalise_motion: true}
 data: {motions: ideal, unmodelled: {stribeck: 0.41, ripple: 0.09, noise: 0.02, delay_s: 0.001},
        prior: links, label: physical, guess_low: 0.011, guess_high: 2.5, exact_share: 0.15, near_share: 0.35,
@@ -40,7 +42,7 @@ NETWORKS = {"published": "channel-max", "tracked": "constant", "paper-recipe": "
 
 
 def test_sampling_and_filters():
-    expected = SignalSettings(h=0.005, c_f=2e-4, omega_unit="index", samples=64, duration=7.5, normalise_motion=True)
+    expected = SignalSettings(h=0.005, c_f=2e-4, omega_unit="hertz", samples=64, duration=7.5, normalise_motion=True)
     assert settings.signal_settings(CONFIG) == expected
 
 
@@ -71,7 +73,25 @@ def test_defaults_agree_with_the_default_configuration():
     changed = DEFAULT | {"metric": {**DEFAULT["metric"], "exponent": 1.7}}
     assert settings.search_settings(changed) == SearchSettings(metric=settings.metric_settings(changed))
     assert settings.metric_settings(changed) != MetricSettings()
-    assert program_settings(DEFAULT) == TrajectorySettings(duration=DEFAULT["signals"]["duration_s"])
+
+
+def test_each_motion_has_its_settings():
+    motions = {
+        "duration_s": 11.0,
+        "t1": {"samples": 900, "bands": 14.0, "range_rad": 0.7, "range_of": "motion"},
+        "t2": {"samples": 800, "turns": 3.5, "centre": 0.6},
+        "t3": {"samples": 700, "levels": 0.4},
+        "t4": {"samples": 600, "amplitude_rad": [0.2, 0.3], "frequency_hz": [0.5, 0.9]},
+    }
+    config = changed(DEFAULT, experiment=motions, arm={"link_lengths_m": [0.2, 0.11]})
+    assert program_settings(config) == TrajectorySettings(
+        geometry=ArmGeometry(0.2, 0.11),
+        duration=11.0,
+        t1=RandomMotion(900, 14.0, 0.7, "motion"),
+        t2=Circle(800, 3.5, 0.6),
+        t3=Profile(700, 0.4),
+        t4=Sinusoid(600, (0.2, 0.3), (0.5, 0.9)),
+    )
 
 
 def test_the_default_configuration_is_the_published_one_where_the_paper_gives_a_value():

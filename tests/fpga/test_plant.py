@@ -88,7 +88,7 @@ def test_agrees_with_scipy(effects):
 def test_halving_the_steps_changes_no_encoder_count():
     """For the arm and the specimen of the stored captures, in their first 3.75 s."""
     config = full_config()
-    effects, phase = disturbance(config, config["experiment"]["seed"])
+    effects, phase = disturbance(config)
     beta, desired = true_parameters(config), identification_reference(TrajectorySettings()).q[:, :1500]
     coarse, fine = (simulate(FinePlant(n, beta, effects, phase), TABLE_8, desired) for n in (1, 2))
     np.testing.assert_array_equal(coarse, fine)

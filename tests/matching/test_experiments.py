@@ -13,7 +13,8 @@ from repro.matching.search import IMPOSSIBLE, TERMS, Problem, misfit_table
 from repro.matching.unknowns import HYPOTHESES, RANGES, VISCOUS
 from repro.model.parameters import NAMES
 from repro.paper.appendix import reproduced
-from repro.pipeline.accepted import experiment_of, experiment_units, read_experiments
+from repro.pipeline.accepted import experiment_config, experiment_units, read_experiments, settings_of
+from repro.pipeline.experiment import true_parameters
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "data/experiments"
@@ -55,6 +56,14 @@ def test_the_starts_contain_the_accepted_experiments():
     assert np.allclose(accepted[list(NAMES)], pd.DataFrame(EXPERIMENTS)[list(NAMES)], rtol=0, atol=0)
 
 
+def test_the_default_experiment_is_the_first_of_them():
+    for section, settings in settings_of(EXPERIMENTS[0]).items():
+        for name, value in settings.items():
+            own = CONFIG[section][name]
+            chosen = {key: own[key] for key in value} if isinstance(value, dict) else own
+            assert chosen == value, (section, name)
+
+
 def test_units_are_those_of_the_file():
     assert experiment_units(FOLDER / "accepted.csv") == {one["experiment"]: one["unit"] for one in EXPERIMENTS}
 
@@ -73,7 +82,7 @@ def test_places_of_the_cube_are_experiments_of_their_hypothesis(hypothesis):
 
 def test_back_emf_is_added_to_the_friction_of_the_family():
     values = {**EXPERIMENTS[0], "viscous1": 0.07, "viscous2": 0.11}
-    true = experiment_of(values, CONFIG).true
+    true = true_parameters(experiment_config(values, CONFIG))
     assert true - [values[name] for name in NAMES] == pytest.approx([0, 0, 0, 0, 0, 0.07, 0.11, 0, 0], abs=1e-12)
 
 

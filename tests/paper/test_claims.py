@@ -167,8 +167,8 @@ def test_what_is_asserted_follows_the_rule(claims):
         expected = "reproduced" if (by_kind and name not in LITERAL) or name in ASSERTED else ""
         assert row["asserted"] == ("differs" if name == CENTRAL else expected), name
         assert row["must"] == (row["asserted"] == "reproduced")
-    cells = ["table08/ID/total/joint1", "table08/ID/total/joint2"]
-    assert claims.loc[cells, "basis"].tolist() == ["simulated arm", "by construction"]
+    cells = ["table08/ID/total/joint1", "table10/T3/least-squares/time/joint2"]
+    assert claims.loc[cells, "basis"].tolist() == ["by construction", "by construction"]
     # Algorithm 1 itself, on the paper's arms and on the simulated one.
     assert {"abstract/numeric/total", CENTRAL} <= set(claims.index[claims["asserted"] != ""])
 
@@ -178,7 +178,7 @@ def test_another_setting_breaks_its_claim(stored):
         "section6/numeric/threshold": ("algorithm1", "threshold_numeric", 0.93),
         "table08/cf/joint1": ("signals", "filter_coefficient", 2e-4),
         "table08/kp/joint1": ("board", "kp_nm_per_rad", [180.4818, 30.6819]),
-        "section6/T1/range-high": ("experiment", "random_range_rad", 1.3),
+        "section6/T1/range-high": ("experiment", "t1", {**SETTINGS["experiment"]["t1"], "range_rad": 1.3}),
     }
     changed = {section: {**SETTINGS[section], key: value} for section, key, value in changes.values()}
     assert changes.keys() <= set(broken(ledger(Results(stored), {**SETTINGS, **changed}).reset_index())["id"])

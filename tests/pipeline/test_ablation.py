@@ -69,7 +69,9 @@ def test_a_reading_is_trained_and_scored(name, tmp_path):
     totals = [metr2ev(r.tau, rebuild_torque(r.y, true_parameters(CONFIG))).total for r in regressions]
     assert result["arm_true"] == pytest.approx(np.mean(totals))
     without = run_variant(name, weights, captures[:4], TINY)  # T2 to T4
-    assert [key for key in HEADLINES if without[key] == result[key]] == ["id_mean", "validation_mean", "arm_id"]
+    assert [without[key] == result[key] for key in ("id_mean", "validation_mean", "arm_id")] == [True] * 3
+    # The search with an untrained network may find nothing possible, so that it has 0 on every motion.
+    assert not any(without[key] == result[key] for key in ("arm_refined", "arm_least_squares", "arm_true"))
 
 
 def test_the_table_has_each_readings_last_held_out_loss():

@@ -24,12 +24,17 @@ SHORT = short_config()
 # --- Motions ------------------------------------------------------------------------------------------------------
 
 
+#: Of the trajectories proper.
+SAMPLES = {"ID": 4314, "T1": 5846, "T2": 2544, "T3": 2502, "T4": 3562}
+
+
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_random_motion_alone_follows_the_seed_and_the_identification_alone_the_duration(name):
     program = program_from_config(CONFIG, name)
     check_program(CONFIG, program)
-    long = program_from_config(CONFIG, name, duration=12.0)
-    assert (program.n2 - program.n1, long.n2 - long.n1) == ((3770, 4800) if name == "ID" else (8192, 8192))
+    long = program_from_config(changed(CONFIG, experiment={"duration_s": 12.0}), name)
+    samples = SAMPLES[name]
+    assert (program.n2 - program.n1, long.n2 - long.n1) == (samples, 4800 if name == "ID" else samples)
     of_seed = program_from_config(CONFIG, name, seed=2).q
     assert (of_seed != program.q).any() == (name == "T1")
     assert (program_from_config(changed(CONFIG, experiment={"seed": 2}), name).q == of_seed).all()
@@ -37,9 +42,9 @@ def test_the_random_motion_alone_follows_the_seed_and_the_identification_alone_t
 
 def test_motions_that_cannot_be_are_refused_in_one_line():
     assert "T5" in refused(program_from_config, CONFIG, "T5")
-    assert "8192" in refused(program_from_config, CONFIG, "ID", None, 20.48)
+    assert "8192" in refused(program_from_config, changed(CONFIG, experiment={"duration_s": 20.48}), "ID")
     assert "speed" in refused(program_from_config, changed(CONFIG, board={"speed_limit_rad_s": 0.5}), "T3")
-    assert "torque" in refused(program_from_config, changed(CONFIG, experiment={"torque_share": 0.3}), "ID")
+    assert "torque" in refused(program_from_config, changed(CONFIG, experiment={"torque_share": 0.2}), "ID")
 
 
 # --- Acquisition --------------------------------------------------------------------------------------------------
@@ -75,14 +80,17 @@ def test_a_damaged_stored_capture_is_refused_and_nothing_is_written(tmp_path, so
 
 
 OTHER_SETTINGS = {
-    "a longer trajectory": ("ID", {"signals": {"duration_s": 9.0}}),
+    "a longer trajectory": ("ID", {"experiment": {"duration_s": 9.0}}),
     "another draw of T1": ("T1", {"experiment": {"seed": 2}}),
-    "another range of T1": ("T1", {"experiment": {"random_range_of": "numbers"}}),
-    "other bands of T1": ("T1", {"experiment": {"random_bands": 13.0}}),
+    "another range of T1": ("T1", {"experiment": {"t1": {"range_of": "motion"}}}),
+    "other bands of T1": ("T1", {"experiment": {"t1": {"bands": 13.0}}}),
     "other links": ("T2", {"arm": {"link_lengths_m": [0.17, 0.15]}}),
     "other gains": ("T3", {"board": {"kp_nm_per_rad": [180.0, 30.0]}}),
     "other motors": ("T2", {"board": {"full_torque_nm": [8.0, 8.1]}}),
-    "another back-EMF": ("T3", {"arm": {"back_emf_nm_s_per_rad": 0.0}}),
+    "other levels": ("T3", {"experiment": {"t3": {"levels": 0.9}}}),
+    "another amplitude": ("T4", {"experiment": {"t4": {"amplitude_rad": [0.06, 0.29]}}}),
+    "further friction": ("T3", {"arm": {"further_viscous_nm_s_per_rad": [0.0, 0.1]}}),
+    "other load-dependent friction": ("T1", {"arm": {"load_friction": [0.04, 0.3]}}),
     "another ripple": ("T4", {"arm": {"ripple_nm": [0.1, 0.1]}}),
 }
 
@@ -111,7 +119,7 @@ def test_simulated_gives_the_stored_capture(tmp_path, motion):
 
 
 def test_serial_records_from_a_board_on_a_port_what_simulated_gives(tmp_path):
-    short = changed(CONFIG, signals={"duration_s": 1.5}, experiment={"lead_in_s": 0.5, "torque_share": 1.0})
+    short = changed(CONFIG, experiment={"duration_s": 1.5, "lead_in_s": 0.5, "torque_share": 1.0})
     short = changed(short, board={"full_torque_nm": [30.0, 30.0], "speed_limit_rad_s": 50.0})
     with served(board_from_config(short), PtyEndpoint(), real_time=False) as port:
         acquire("ID", tmp_path / "serial" / "ID.bin", changed(short, experiment={"source": "serial", "port": port}))

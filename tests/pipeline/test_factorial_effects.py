@@ -1,13 +1,13 @@
-"""Effects of the factorial: known ones are recovered, and the intervals cover over blocks and training seeds."""
+"""Effects of the factorial: known ones are recovered, and the intervals cover over experiments and training seeds."""
 
 import itertools
 
 import numpy as np
 import pytest
-from factorial_example import CONFIRMED, MAIN, PAIRS, READER, READER_PAIRS, factorial_scores
+from factorial_example import MAIN, PAIRS, READER, READER_PAIRS, factorial_scores
 from scipy import stats
 
-from repro.pipeline.factorial import CONFIRMATION, effects, interval
+from repro.pipeline.factorial import effects, interval
 
 NAMES = tuple(MAIN)
 
@@ -18,7 +18,7 @@ def found():
 
 
 def test_known_effects_are_recovered_with_intervals_of_zero_width(found):
-    """Blocks shift every cell alike, so that they leave no spread; the search seeds are averaged."""
+    """Experiments shift every cell alike, so that they leave no spread; the search seeds are averaged."""
     known = MAIN | {" x ".join(pair): size for pair, size in PAIRS.items()}
     effects_of_cnn = found.loc["cnn"]
     for effect in [*NAMES, *(" x ".join(pair) for pair in itertools.combinations(NAMES, 2))]:
@@ -28,7 +28,7 @@ def test_known_effects_are_recovered_with_intervals_of_zero_width(found):
         for response, factor in (("id", 1.0), ("validation", 2.0)):
             row = effects_of_cnn.loc[(effect, response)]
             np.testing.assert_allclose(row[["value", "low", "high"]].astype(float), factor * size, atol=1e-12)
-            assert (row["blocks"], row["training_seeds"]) == (3, 2)
+            assert (row["experiments"], row["training_seeds"]) == (3, 2)
 
 
 def test_effects_on_the_error_and_of_the_reader_are_recovered(found):
@@ -37,33 +37,22 @@ def test_effects_on_the_error_and_of_the_reader_are_recovered(found):
         # The desired motion is half its effect above the mean over both.
         ("reader, desired motion", "reader", "id"): READER - 0.5 * MAIN["image_motion"],
         ("reader", "reader x training", "id"): READER_PAIRS["training"],
-        ("reader", "reader x omega", "id"): 0.0,
+        ("reader", "reader x metric", "id"): 0.0,
     }
-    for name in ("image_motion", "omega", "back_emf"):
-        # With the energy formula alone, its interaction is part of the main effect.
-        expected["cnn", name, "error"] = -MAIN[name] - PAIRS.get((name, "metric"), 0.0)
+    for name in ("image_motion", "training"):
+        # With the energy formula and Algorithm 1 alone, interactions with them are part of the main effect.
+        expected["cnn", name, "error"] = -MAIN[name] - PAIRS.get((name, "metric"), 0.0) + READER_PAIRS.get(name, 0.0)
     assert found["value"][list(expected)].tolist() == pytest.approx([*expected.values()], abs=1e-12)
     assert not [effect for _, effect, response in found.index if response == "error" and "metric" in effect]
 
 
-def test_no_effect_is_estimated_from_the_confirmation_block(found):
-    """Its effects are shown on their own: here twice as large as on the others."""
-    np.testing.assert_allclose(found["confirmation"], CONFIRMED * found["value"], atol=1e-12)
+def test_a_level_that_differs_between_experiments_widens_the_interval():
     scores = factorial_scores()
-    held_out = scores["block"] == CONFIRMATION
-    scores.loc[held_out, ["id", "validation", "error"]] = np.random.default_rng(0).uniform(size=(held_out.sum(), 3))
-    again = effects(scores).set_index(["of", "effect", "response"])
-    np.testing.assert_array_equal(again[["value", "low", "high"]], found[["value", "low", "high"]])
-    assert (again["confirmation"] - found["confirmation"]).abs().min() > 1e-6
-
-
-def test_a_level_that_differs_between_blocks_widens_the_interval():
-    scores = factorial_scores()
-    desired = scores["image_motion"].eq("desired") & scores["block"].eq("2")
+    desired = scores["image_motion"].eq("desired") & scores["experiment"].eq(2)
     scores.loc[desired, "id"] += 0.3
     row = effects(scores).set_index(["of", "effect", "response"]).loc[("cnn", "image_motion", "id")]
     assert row["value"] == pytest.approx(MAIN["image_motion"] + 0.1, abs=1e-12)
-    # By hand: three blocks with 0.2, 0.5 and 0.2, without a spread over the training seeds.
+    # By hand: three experiments with 0.2, 0.5 and 0.2, without a spread over the training seeds.
     half = stats.t.ppf(0.975, 2) * np.std([0.2, 0.5, 0.2], ddof=1) / np.sqrt(3)
     np.testing.assert_allclose([row["low"], row["high"]], [0.3 - half, 0.3 + half], atol=1e-12)
 

@@ -1,4 +1,4 @@
-"""Methods compared over arms: the interval against the test it belongs to, the correction, and the conclusions."""
+"""Methods compared over experiments: the interval and the test it belongs to, the correction, and the conclusions."""
 
 import itertools
 
@@ -9,21 +9,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from repro.pipeline.monte_carlo import ALL, COMPARISON_COLUMNS, comparisons, conclude, holm, interval
+from repro.pipeline.monte_carlo import COMPARISON_COLUMNS, comparisons, conclude, holm, interval
 
 FACTORS = {"algorithm1": 1.0, "least-squares": 0.0}
 
 
-def scores_of(differences, chatter=(), factors=FACTORS):
+def scores_of(differences, factors=FACTORS):
     """Totals of both joints: over T1 to T4, a method is above a base by its factor of the differences on average."""
     rows = []
-    for arm, d in enumerate(differences):
+    for experiment, d in enumerate(differences):
         for k, (case, joint) in enumerate(itertools.product(("ID", "T1", "T2", "T3", "T4"), (1, 2))):
             uneven = d + 0.01 * (k - 5.5) if case != "ID" else -5.0  # the mean of k = 2 ... 9 is 5.5
-            base = 0.9 + 0.03 * arm + 0.001 * k
-            shared = (case, joint, 3.0, arm, int(arm in chatter))
-            rows += [(*shared, method, base + factor * uneven) for method, factor in factors.items()]
-    return pd.DataFrame(rows, columns=["case", "joint", "duration", "arm", "chatter", "method", "total"])
+            base = 0.9 + 0.03 * experiment + 0.001 * k
+            rows += [(case, joint, experiment, method, base + factor * uneven) for method, factor in factors.items()]
+    return pd.DataFrame(rows, columns=["case", "joint", "experiment", "method", "total"])
 
 
 def averages_of(x):
@@ -35,7 +34,7 @@ def compared(differences):
     shuffled = scores_of(differences).sample(frac=1.0, random_state=1)
     table = comparisons(shuffled, ["algorithm1"], ["least-squares"])
     assert tuple(table.columns) == COMPARISON_COLUMNS
-    return table.set_index("set").loc[ALL]
+    return table.iloc[0]
 
 
 @settings(max_examples=30)
@@ -74,10 +73,10 @@ def test_each_conclusion(low, high, sign, conclusion):
     assert conclude(low, high, sign) == conclusion
 
 
-def test_arms_are_the_unit_and_id_does_not_count():
+def test_experiments_are_the_unit_and_id_does_not_count():
     differences = [0.01, 0.03, 0.02, -0.05, 0.04, 0.06, 0.07]
     row = compared(differences)
-    assert (row["arms"], row["wins"]) == (7, 6)
+    assert (row["experiments"], row["wins"]) == (7, 6)
     assert row["difference"] == pytest.approx(np.median(averages_of(differences)))
     assert row["p"] == pytest.approx(stats.wilcoxon(differences).pvalue)
 
@@ -91,14 +90,10 @@ def test_equal_methods_are_no_reason_to_reject():
 def test_every_pair_of_a_family_is_corrected_together():
     factors = {"algorithm1": 1.0, "algorithm1+refinement": 2.0, "least-squares": 0.0, "bounded": 0.25}
     differences = 0.02 + 0.001 * np.arange(9)
-    short, long = (scores_of(size * differences, (8,), factors) for size in (1.0, 3.0))
-    long = pd.concat([long, long.assign(chatter=0)])  # of two runs of arm 8 one chatters
-    table = comparisons(pd.concat([short, long.assign(duration=5.0)]), [*factors][:2], [*factors][2:])
-    assert len(table) == 2 * 2 * 2 * 2
+    table = comparisons(scores_of(differences, factors), [*factors][:2], [*factors][2:])
+    assert len(table) == 2 * 2
     for row in table.itertuples():
-        arms = 9 if row.set == ALL else 8
-        size = (factors[row.method] - factors[row.opponent]) * (1.0 if row.duration == 3.0 else 3.0)
-        expected = interval(size * differences[:arms], 1.0 - 0.05 / 4)
+        expected = interval((factors[row.method] - factors[row.opponent]) * differences, 1.0 - 0.05 / 4)
         assert (row.difference, row.low, row.high) == pytest.approx(expected)
-        assert (row.arms, row.wins, row.conclusion) == (arms, arms, "better")
-        assert (row.p, row.p_holm) == pytest.approx((2 / 2**arms, 4 * 2 / 2**arms))
+        assert (row.experiments, row.wins, row.conclusion) == (9, 9, "better")
+        assert (row.p, row.p_holm) == pytest.approx((2 / 2**9, 4 * 2 / 2**9))

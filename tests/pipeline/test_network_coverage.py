@@ -16,7 +16,7 @@ from repro.model.parameters import NAMES
 from repro.pipeline import coverage as stage
 from repro.pipeline import simulated_arms
 from repro.pipeline.coverage import distances, novelty_limit
-from repro.pipeline.experiment import acquire, program_from_config, read_recording
+from repro.pipeline.experiment import acquire, program_from_config, read_recording, true_parameters
 from repro.pipeline.identifications import mean_training_torque
 from repro.pipeline.simulated_arms import sampled_tracks, simulate_tracked, training_motion
 from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
@@ -26,6 +26,7 @@ pytestmark = pytest.mark.slow
 CONFIG = changed(
     of_network(full_config(), "tracked"),
     signals={"duration_s": 4.7},  # half of the motion
+    experiment={"duration_s": 4.7},
     data={"tracked": {"arms": 64}},
     coverage={"arms": 40, "guesses": 20, "levels": [0.5, 0.9], "seed": 3},
 )
@@ -113,8 +114,7 @@ def test_joint_factors_by_hand():
 def test_the_recorded_arm_is_like_the_training_motions_and_gets_its_interval(tables, recorded):
     own = tables[2]
     assert list(own["parameter"]) == list(NAMES)
-    back_emf = CONFIG["arm"]["back_emf_nm_s_per_rad"] * np.isin(NAMES, ("b1", "b2"))
-    np.testing.assert_allclose(own["true"], CONFIG["arm"]["parameters"] + back_emf, rtol=1e-12)
+    np.testing.assert_allclose(own["true"], true_parameters(CONFIG), rtol=1e-12)
     assert (own["low"] < own["centre"]).all()
     assert (own["centre"] < own["high"]).all()
     assert own[["warned", "level"]].drop_duplicates().to_numpy().tolist() == [[0, 0.9]]

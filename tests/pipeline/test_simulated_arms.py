@@ -1,22 +1,20 @@
-"""Simulated arms: those that a network is trained on, and many specimens, kept and read back."""
+"""Simulated arms that a network is trained on, kept and read back."""
 
 import os
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from experiment_example import MOTIONS, changed, full_config, refused, short_config
-from safetensors.numpy import load_file, save_file
+from experiment_example import ROOT, changed, full_config, refused
+from safetensors.numpy import load_file
 
 from repro.errors import InputError
 from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.model.parameters import is_positive_definite
+from repro.model.parameters import NAMES, is_positive_definite
 from repro.pipeline import simulated_arms
+from repro.pipeline.accepted import read_experiments
 from repro.pipeline.experiment import program_from_config, true_parameters
-from repro.pipeline.monte_carlo import chatters
-from repro.pipeline.simulated_arms import read_spread, simulate_spread, simulate_tracked, spread_arms, training_motion
+from repro.pipeline.simulated_arms import simulate_tracked, training_motion
 from repro.settings import of_network
-from repro.signals.programs import peaks
 
 pytestmark = pytest.mark.slow
 
@@ -69,13 +67,9 @@ def test_a_motion_is_within_the_limits_of_both_joints():
     assert within.tolist() == [False, True, False]
 
 
-def test_no_arm_that_trains_is_one_that_is_tested(motions, monkeypatch):
-    """Compared without viscous friction, to which arms that are tested add their back-EMF."""
-    monkeypatch.setattr(simulated_arms, "run_loop", lambda _, beta, __: [beta])
-    monkeypatch.setattr(simulated_arms, "tracks", lambda _, beta, __: np.ones(len(beta), dtype=bool))
-    arms = spread_arms(changed(CONFIG, spread={"arms": 2, "seeds": [1, 2]}))
-    tested = np.delete([*arms, *CONFIG["numeric"]["arms"].values()], [5, 6], axis=1)
-    trained = np.delete(load_file(motions)["parameters"], [5, 6], axis=1)
+def test_no_arm_that_trains_is_one_that_is_tested(motions):
+    accepted = read_experiments(ROOT / "data/experiments/accepted.csv")[list(NAMES)].to_numpy()
+    tested, trained = [*accepted, *CONFIG["numeric"]["arms"].values()], load_file(motions)["parameters"]
     assert len(np.unique(trained, axis=0)) == 6
     assert np.abs(trained[:, np.newaxis] / tested - 1).max(-1).min() > 0.05
 
@@ -102,72 +96,3 @@ def test_arms_that_do_not_track_end_in_one_line(tmp_path):
     config = changed(small(largest_error_rad=1e-6), signals={"duration_s": 0.5}, experiment={"lead_in_s": 0.1})
     assert "arms that track" in refused(simulate_tracked, config, tmp_path / "out.safetensors")
     assert not list(tmp_path.iterdir())
-
-
-# --- Specimens ----------------------------------------------------------------------------------------------------
-
-#: Two specimens, motions of a few seconds, motors that can do it.
-BRIEF = changed(
-    short_config(),
-    board={"full_torque_nm": [60.0, 60.0], "speed_limit_rad_s": 200.0},
-    experiment={"validation_samples": 2200, "random_range_rad": 0.01, "lead_in_s": 0.5},
-    # Light enough for those motors, and heavy enough that the simulation of no drawn arm diverges.
-    data={"tracked": {"load_share": 0.03, "least_inertia_kg_m2": [0.1, 0.02]}},
-    spread={"arms": 2, "seeds": [4, 9], "durations_s": [2.0, 1.5]},
-)
-
-
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
-    path = tmp_path_factory.mktemp("spread") / "recordings.safetensors"
-    simulate_spread(BRIEF, path)
-    return path
-
-
-def test_every_seed_and_motion_comes_back(recorded):
-    for index, duration in enumerate(BRIEF["spread"]["durations_s"]):
-        found = read_spread(recorded, BRIEF, index)
-        assert [(one.seed, one.labels["arm"]) for one in found] == [(4, 0), (9, 1)]
-        for one in found:
-            for name, recording in zip(MOTIONS, one.recordings, strict=True):
-                program = program_from_config(BRIEF, name, one.seed, duration)
-                assert (recording.program.q == program.q.astype(np.float32)).all()  # as the board was sent it
-                assert (recording.program.n1, recording.program.n2) == (program.n1, program.n2)
-                assert recording.q.shape == recording.tau.shape == program.q.shape
-                assert np.abs(recording.q - program.q).max() < 0.3
-                assert np.ptp(recording.tau, axis=1).min() > 0
-
-
-def test_an_arm_that_is_too_heavy_for_a_motion_is_left_out(monkeypatch):
-    true, mechanical = true_parameters(BRIEF), np.array(BRIEF["arm"]["parameters"])
-    motions = [program_from_config(BRIEF, name, seed) for name in MOTIONS for seed in BRIEF["spread"]["seeds"]]
-    torque = np.max([peaks(motion, true)[1] for motion in motions], axis=0)
-    full = (1.2 * torque / BRIEF["experiment"]["torque_share"]).tolist()
-    able = np.append(0.9 * mechanical[:5], mechanical[5:])
-    monkeypatch.setattr(simulated_arms, "draw_arms", lambda *_: np.stack([1.5 * mechanical, able]))
-    expected = [true, able + (true - mechanical)]  # with the same motors
-    np.testing.assert_allclose(spread_arms(changed(BRIEF, board={"full_torque_nm": full})), expected, rtol=1e-15)
-
-
-def test_recordings_of_another_configuration_are_refused_by_the_motion(recorded, tmp_path):
-    more = changed(BRIEF, spread={"seeds": [4, 9, 11, 12]})
-    assert f"{recorded}: parameters: " in refused(read_spread, recorded, more, 0)
-    longer = changed(BRIEF, experiment={"validation_samples": 2300})
-    assert f"{recorded}: T1/position: " in refused(read_spread, recorded, longer, 0)
-    counts = load_file(recorded)
-    del counts["T3/pwm"]
-    save_file(counts, path := tmp_path / "recordings.safetensors")
-    assert f"{path}: T3/pwm: " in refused(read_spread, path, BRIEF, 0)
-
-
-# --- Chatter ------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("fast", "expected"), [(0.0, False), (1.6, False), (1.9, True)])
-def test_a_loop_chatters_if_three_quarters_of_a_torque_are_fast(recorded, fast, expected):
-    """A sinusoid of 1 Hz and amplitude 1 on both joints, and one of 40 Hz on joint 2: a power of 3.6 to 1 at 1.9."""
-    recording = read_spread(recorded, BRIEF, 0)[0].recordings[0]
-    t = recording.program.h * np.arange(4000)
-    slow = np.sin(2 * np.pi * t)
-    tau = np.stack([slow, slow + fast * np.sin(2 * np.pi * 40.0 * t) + 3.0])
-    assert chatters(replace(recording, tau=tau)) == expected

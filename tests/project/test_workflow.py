@@ -130,8 +130,6 @@ def test_the_default_target_makes_every_table_and_figure(full):
     assert {f"results/{name}" for name in (*others, *ledger)} <= made.keys()
     recordings = {f"results/experiment/{motion}.{end}" for motion in PROGRAMS for end in ("bin", "program", "json")}
     assert {name for name, rule in made.items() if rule == "acquire"} == recordings
-    scores = {f"results/spread/scores-{k}.csv" for k, _ in enumerate(CONFIG["spread"]["durations_s"])}
-    assert {name for name, rule in made.items() if rule == "score_spread"} == scores
 
 
 def test_the_quick_run_makes_all_of_the_full_one(full, quick):

@@ -13,11 +13,10 @@ from repro.cnn.priors import ListedPrior
 from repro.files import read_tensors, write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
-from repro.study.arms import Specimen
 from repro.settings import signal_settings
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
-from repro.study.arms import draw_law, excitation_program
+from repro.study.arms import Specimen, draw_law, excitation_program
 from repro.study.design import ALGORITHM1, RANKS
 from repro.study.readers import Readers, Reading, make_arms, run_job, train_reader
 
