@@ -11,7 +11,7 @@ contract.hold(os.environ)
 
 import numpy as np
 
-from repro.config import load_config
+from repro.config import load_config, merged
 from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
 from repro.fpga.messages import encode_start
@@ -27,9 +27,9 @@ from repro.pipeline.experiment import (
 from repro.signals.programs import ReferenceTrajectory
 
 
-def capture(config, program: ReferenceTrajectory, seed: int) -> bytes:
-    """Frames of one specimen's board, from the download to the last sample."""
-    board = board_from_config(config, seed)
+def capture(config, program: ReferenceTrajectory) -> bytes:
+    """Frames of the arm's board, from the download to the last sample."""
+    board = board_from_config(config)
     metadata = metadata_for(program, config)
     board.receive(metadata.program + encode_start(metadata.samples))
     frames = bytearray()
@@ -38,11 +38,11 @@ def capture(config, program: ReferenceTrajectory, seed: int) -> bytes:
     return bytes(frames)
 
 
-def batch(config, program: ReferenceTrajectory, seeds: range) -> list[bytes]:
-    """Frames of many specimens, simulated side by side."""
-    levels, phase = zip(*(disturbance(config, seed) for seed in seeds), strict=True)
-    arms = np.tile(true_parameters(config), (len(seeds), 1))
-    plant = Plant(arms, program.h, levels, np.stack(phase))
+def batch(config, program: ReferenceTrajectory, count: int) -> list[bytes]:
+    """Frames of many arms that differ in the phase of their ripple, simulated side by side."""
+    effects, phase = disturbance(config)
+    phases = [phase, *np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, (count - 1, 2))]
+    plant = Plant(np.tile(true_parameters(config), (count, 1)), program.h, effects, phases)
     position, pwm = simulate(plant, control_constants(config), program.q)
     return [encode(q, u) for q, u in zip(position, pwm, strict=True)]
 
@@ -58,15 +58,14 @@ def main() -> None:
     config = load_config(args.config)
     e, h = config["experiment"], config["signals"]["sampling_period_s"]
     around = e["lead_in_s"] + 2 * e["margin_samples"] * h
-    program = program_from_config(config, "ID", duration=args.seconds - around)
-    seeds = range(1, args.arms + 1)
+    program = program_from_config(merged(config, {"experiment": {"duration_s": args.seconds - around}}), "ID")
     alone, together = [], []
     for _ in range(args.repeats):  # in turn, so that both meet the same load
         began = time.process_time()
-        one = capture(config, program, seeds[0])
+        one = capture(config, program)
         alone.append(time.process_time() - began)
         began = time.process_time()
-        many = batch(config, program, seeds)
+        many = batch(config, program, args.arms)
         together.append(time.process_time() - began)
     if many[0] != one:
         raise RuntimeError("the first arm of the batch is not the one behind the board")

@@ -1,7 +1,7 @@
 """Coverage of the 95 % intervals of `repro identify` by kind of unmodelled effect, for two generators of arms.
 
 Usage: ``python benchmarks/interval_coverage.py [--arms 40] [--out FOLDER] [--kind KIND ...]``; 7 minutes on one core.
-Generator `board` is the simulated board behind its controller, with arms near the configured one. Generator `planar`
+Generator `board` is the simulated board behind its controller, with arms near `board_arms.ARM`. Generator `planar`
 (`planar_arms.py`) shares no code with the package. Every kind uses the same arms and motions. A coverage is the mean
 over arms of the share of an arm's asserted intervals that contain the truth; its Wilson interval counts arms. The plain
 bootstrap resamples the same regression in blocks of the same length, and adds nothing to the spread of the estimates.

@@ -14,7 +14,7 @@ STAGES = {
     "data": (5, ("acquire", "mean_torque", "simulate_tracked")),
     "training": (240, ("train",)),
     "identification": (60, ("identify_numeric", "score_numeric")),
-    "experiment and spread": (60, ("identify_", "score_", "simulate_spread", "explain", "check_coverage")),
+    "experiment and spread": (60, ("identify_", "score_", "simulate_accepted", "explain", "check_coverage")),
     "exhibits, ledger and report": (60, ("draw_", "search_metric", "claims", "verify", "report")),
 }
 

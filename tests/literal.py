@@ -36,11 +36,10 @@ def cosines(n):
 
 
 def low_pass(x, h, c_f):
-    """Eq. 14 with omega in rad/s."""
+    """Eq. 14 with omega as the number of the band, so that the sampling period does not matter."""
     n = x.shape[-1]
     matrix = cosines(n)
-    omega = np.pi * np.arange(n) / (n * h)
-    return (matrix.T @ (np.exp(-c_f * omega**2)[:, None] * (matrix @ x.T))).T
+    return (matrix.T @ (np.exp(-c_f * np.arange(n) ** 2)[:, None] * (matrix @ x.T))).T
 
 
 def derivative(x, h, c_f):

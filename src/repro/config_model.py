@@ -418,13 +418,12 @@ class Accepted(Section):
     experiments: Folder = key("file with a row for each experiment, the smallest misfit first")
     guesses: Rising = key("budgets of guesses", "guesses", allowed="rising")
     further_guesses: Rising = key(
-        "further budgets of Algorithm 1 as listed", "guesses", allowed="rising, above `guesses`"
+        "further budgets of Algorithm 1 as listed, with the first seed", "guesses", allowed="rising, above `guesses`"
     )
-    further_experiments: Whole = key("number of experiments, from the first, that get them", "experiments")
-    extension_experiments: Whole = key(
-        "number of experiments, from the first, on which f of line 18 is on the desired motion, too", "experiments"
+    detailed_experiments: Whole = key(
+        "number of experiments, from the first, with these, every seed, and the extensions", "experiments"
     )
-    seeds: Seeds = key("guesses of Algorithm 1: one search each")
+    seeds: Seeds = key("guesses of Algorithm 1: one search each; the first for all experiments")
 
 
 class Spread(Section):

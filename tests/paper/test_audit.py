@@ -170,7 +170,7 @@ TAMPERED = [
     ({"section3/torque-low": "-1023"}, "section3/torque-low", "verdict", "consistent"),
     ({"section3/logic-share": "29.95"}, "section3/logic-share", "verdict", "contradicts itself"),
     ({"appendix/rho": "0.05"}, "appendix/cosine", "verdict", "consistent"),
-    ({"appendix/energy": "8.2020e-5"}, "appendix/arm", "found", 6),
+    ({"appendix/energy": "6.9020e-5"}, "appendix/arm", "found", 6),
     ({"appendix/energy": "8.2020e-2"}, "appendix/arm", "verdict", "contradicts itself"),
 ]
 

@@ -125,7 +125,7 @@ def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path, monkeypatch):
     """The random motion of 4 s asks too much torque of every drawn arm; numbers of a motion or prior are its own."""
     monkeypatch.setattr("repro.study.arms.stream", used := Mock(side_effect=stream))
     study = {"excitations": ["optimal", "random"], "priors": ["narrow"], "arms": 2}
-    config = changed(CONFIG, signals={"duration_s": 4.0}, study=study)
+    config = changed(CONFIG, signals={"duration_s": 4.0}, experiment={"t1": {"range_of": "motion"}}, study=study)
     message = refused(choose, config, tmp_path / "arms.safetensors")
     assert "study.arms: found 2, expected at most 0" in message
     uses = [(Stream.STUDY_MOTION, 1), (Stream.STUDY_MOTION, 0), (Stream.STUDY_ARMS, 1)]

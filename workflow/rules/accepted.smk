@@ -36,8 +36,15 @@ rule match:
 
 EXPERIMENTS = config["accepted"]["experiments"]
 ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{R}/accepted/recordings.safetensors"}
-# The network of an experiment is trained with its unit of omega.
 UNITS = experiment_units(Path(EXPERIMENTS))
+
+
+def accepted_weights(wildcards):
+    """Networks that search an experiment: that of its unit of omega, and in detail those of the extensions."""
+    unit, own = UNITS[int(wildcards.number)], config["signals"]["frequency_reading"]
+    detailed = list(UNITS)[: config["accepted"]["detailed_experiments"]]
+    further = ["-tracked-measured", "-tracked"] if unit == own and int(wildcards.number) in detailed else []
+    return [f"{R}/{network_of_unit(unit, own)}", *map(weights, further)]
 
 
 rule simulate_accepted:
@@ -78,7 +85,7 @@ rule score_spread:
 rule search_accepted:
     input:
         **ACCEPTED,
-        weights=lambda wildcards: f"{R}/{network_of_unit(UNITS[int(wildcards.number)], config['signals']['frequency_reading'])}",
+        weights=accepted_weights,
     output:
         f"{R}/accepted/experiment-{{number}}.csv",
     priority: LONG
@@ -86,7 +93,7 @@ rule search_accepted:
         runtime=120,
     params:
         *call("repro.pipeline.guesses:search_accepted"),
-        config=sections(*USED, *ARM, "accepted"),
+        config=sections(*USED, *ARM, "networks", "accepted"),
     message:
         "Algorithm 1 on accepted experiment {wildcards.number}"
     script:

@@ -58,7 +58,7 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
     --------
     >>> run = repro.read_log("data/captures/ID.bin")
     >>> run.q.shape, run.simulated
-    ((2, 4150), True)
+    ((2, 4694), True)
     """
     arm = arm if isinstance(arm, Arm) else read_arm(arm)
     source = Path(source) if isinstance(source, str) else source

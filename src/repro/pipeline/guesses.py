@@ -1,13 +1,14 @@
 """Algorithm 1 and least squares over the accepted experiments, by the number of guesses."""
 
-from itertools import chain
+from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from repro.identification.algorithm1.search import ImageMotion, ResidualEstimator, search_in_turn, select
+from repro.identification.algorithm1.search import ResidualEstimator, search_in_turn, select
 from repro.identification.least_squares import METHODS
 from repro.identification.method import BASELINES
 from repro.model.parameters import Array
@@ -16,17 +17,23 @@ from repro.pipeline.identifications import prepare_recording
 from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.progress import Progress
-from repro.settings import metric_settings, signal_settings
+from repro.settings import metric_settings, of_network, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
 
-#: Motion of line 18 by the name of the method.
-METHOD_MOTIONS: dict[str, ImageMotion] = {"algorithm1": "measured", "algorithm1+desired": "desired"}
+#: Networks whose searches an experiment has in detail, and the files of weights, in this order, that they read.
+DETAILED = {"published": 0, "desired": 0, "tracked-measured": 1, "tracked": 2}
 
 
-def search_accepted(number: int, experiments: Path, recordings: Path, weights: Path, config: Config) -> pd.DataFrame:
-    """Scores of one experiment: least squares, the true parameters, and Algorithm 1 within each budget of guesses."""
+def search_accepted(
+    number: int, experiments: Path, recordings: Path, weights: Sequence[Path], config: Config
+) -> pd.DataFrame:
+    """Scores of one experiment: least squares, the true parameters, and Algorithm 1 within each budget of guesses.
+
+    An experiment in detail has every seed, the further budgets with the first of them, and the extensions that the
+    weights are given for; any other has Algorithm 1 as listed with the first seed.
+    """
     a, metric = config["accepted"], metric_settings(config)
     place, experiment = next(
         (k, one) for k, one in enumerate(read_accepted(experiments, recordings, config)) if one.number == number
@@ -48,25 +55,21 @@ def search_accepted(number: int, experiments: Path, recordings: Path, weights: P
     for name, method in BASELINES.items():
         add(METHODS[method].estimate(regressions[0]).beta, method=name, **none)
     add(experiment.true, method="true", **none)
-    algorithm1 = for_the_arm(algorithm1_of("published", weights, config), config)
-    for (name, motion), seed in chain((each, seed) for each in METHOD_MOTIONS.items() for seed in a["seeds"]):
-        if name != "algorithm1" and place >= a["extension_experiments"]:
-            continue
-        further = a["further_guesses"] if name == "algorithm1" and place < a["further_experiments"] else []
+    detailed = place < a["detailed_experiments"]
+    networks = [name for name, file in DETAILED.items() if file < len(weights)] if detailed else ["published"]
+    for name, seed in product(networks, a["seeds"] if detailed else a["seeds"][:1]):
+        own = of_network(config, name)
+        algorithm1 = for_the_arm(algorithm1_of(name, weights[DETAILED[name]], own), own)
+        method = "algorithm1" if name == "published" else f"algorithm1+{name}"
+        further = a["further_guesses"] if detailed and name == "published" and seed == a["seeds"][0] else []
         budgets = [*a["guesses"], *further]
-        prepared = prepare_recording(recorded[0], None, signals, motion)
+        prepared = prepare_recording(recorded[0], None, signals, algorithm1.search.image_motion)
         estimator = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
-        progress = Progress(f"experiment {number}, {name}, seed {seed}")
+        progress = Progress(f"experiment {number}, {method}, seed {seed}")
         found = search_in_turn(estimator, prepared, algorithm1.search, stream(seed, Stream.LONG_SEARCH), budgets)
         for k, (budget, candidates) in enumerate(zip(budgets, found, strict=True)):
             progress(k + 1, len(budgets))
-            selected = select(candidates.beta, prepared, algorithm1.search)
-            add(
-                selected.beta,
-                method=name,
-                seed=seed,
-                guesses=budget,
-                met=candidates.met,
-                similarity=selected.similarity,
-            )
+            best = select(candidates.beta, prepared, algorithm1.search)
+            labels = {"guesses": budget, "met": candidates.met, "similarity": best.similarity}
+            add(best.beta, method=method, seed=seed, **labels)
     return pd.DataFrame(rows)[list(GUESSES)]

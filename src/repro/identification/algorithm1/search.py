@@ -250,7 +250,7 @@ def algorithm1(
     >>> run = repro.read_log("data/captures/ID.bin")
     >>> network = repro.load_network("data/networks/cnn.safetensors")
     >>> few = repro.SearchSettings(executions=3, inner_limit=5, threshold=0.9237)
-    >>> found = repro.algorithm1(run.q, run.tau, network, begin=340, end=4110, search_settings=few)
+    >>> found = repro.algorithm1(run.q, run.tau, network, begin=340, end=4654, search_settings=few)
     >>> found.beta.shape
     (9,)
     """
