@@ -40,13 +40,12 @@ command("record", "--port", "./board", "--trajectory", "T2", "--out", "T2.bin")
 #
 # ## Identify
 #
-# The simulated arm has known parameters. The torque is computed from the PWM, so the motors' back-EMF adds to b1 and
-# b2.
+# The simulated arm has known parameters.
 
 # %%
 simulated = repro.read_capture("ID.bin").metadata.board["arm"]
 true = np.array(simulated["parameters"])
-true[5:7] += simulated["back_emf_nm_s_per_rad"]
+true[5:7] += simulated["further_viscous_nm_s_per_rad"]
 
 
 def show(result: repro.Identification) -> None:

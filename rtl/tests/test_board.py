@@ -46,7 +46,7 @@ def test_recorded_positions_give_the_recorded_frames(motion):
     assert bytes(data) == capture.data
 
 
-@pytest.mark.parametrize(("motion", "samples"), [("ID", 4150), ("T1", 800)])
+@pytest.mark.parametrize(("motion", "samples"), [("ID", 4694), ("T1", 800)])
 def test_closed_loop_is_that_of_the_board_in_python(motion, samples):
     metadata = metadata_for(program_from_config(CONFIG, motion), CONFIG)
     frames = []
