@@ -82,20 +82,23 @@ def test_a_search_ends_with_its_last_execution(prepared):
 def test_scores_of_an_experiment(accepted, prepared, tmp_path):
     experiment, _ = prepared
     torch.manual_seed(3)
-    budgets = {"guesses": [20, 60], "further_guesses": [90], "further_experiments": 2, "seeds": [2, 5]}
-    config = {**CONFIG, "accepted": {**CONFIG["accepted"], **budgets, "extension_experiments": 2}}
-    weights = tmp_path / "weights.safetensors"
-    save_network(weights, FactoredCNN(network_settings(config)), {"made": "by hand"})
+    budgets = {"guesses": [20, 60], "further_guesses": [90], "seeds": [2, 5], "detailed_experiments": 2}
+    config = {**CONFIG, "accepted": {**CONFIG["accepted"], **budgets}}
+    weights = [tmp_path / name for name in ("ideal.safetensors", "tracked.safetensors")]
+    for path in weights:
+        save_network(path, FactoredCNN(network_settings(config)), {"made": "by hand"})
     table = search_accepted(4, *accepted, weights, config)
     assert set(table["experiment"]) == {4}
     assert table.groupby("method").size().to_dict() == {
-        "algorithm1": 60,  # 2 seeds, 3 budgets
-        "algorithm1+desired": 40, "least-squares": 10, "bounded": 10, "consistent": 10, "true": 10,
+        "algorithm1": 50,  # a seed with 3 budgets, another one with 2
+        "algorithm1+desired": 40, "algorithm1+tracked-measured": 40,
+        "least-squares": 10, "bounded": 10, "consistent": 10, "true": 10,
     }  # fmt: skip
-    config["accepted"] |= {"further_experiments": 1, "extension_experiments": 1}  # it is the second
-    fewer = search_accepted(4, *accepted, weights, config)
-    assert fewer.groupby("method").size()["algorithm1"] == 40
-    assert "algorithm1+desired" not in set(fewer["method"])
+    config["accepted"]["detailed_experiments"] = 1  # it is the second
+    fewer = search_accepted(4, *accepted, weights[:1], config)
+    assert fewer.groupby("method").size()["algorithm1"] == 20
+    assert set(fewer["seed"]) == {0, 2}
+    assert not [method for method in fewer["method"] if "+" in method]
     true = table[(table["method"] == "true") & (table["case"] == "T3")].sort_values("joint")
     r = experiment.recordings[PROGRAMS.index("T3")].regression(signal_settings(experiment.config))
     expected = metr2ev(r.tau, r.y @ experiment.true)

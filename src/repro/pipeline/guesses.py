@@ -22,8 +22,8 @@ from repro.signals.metric import TorqueScorer
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
 
-#: Networks whose searches an experiment has in detail, and the files of weights, in this order, that they read.
-DETAILED = {"published": 0, "desired": 0, "tracked-measured": 1, "tracked": 2}
+#: Networks whose searches an experiment has in detail, each a single change, and the place of the weights they read.
+DETAILED = {"published": 0, "desired": 0, "tracked-measured": 1}
 
 
 def search_accepted(
