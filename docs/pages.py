@@ -40,6 +40,9 @@ VALIDATION = MOTIONS[1:]
 #: Rows of the README's table; a published row stands before its method.
 HEADLINE = (
     "algorithm1",
+    "algorithm1/one-run",
+    "algorithm1+desired",
+    "algorithm1+tracked-measured",
     "algorithm1+tracked",
     "algorithm1+refinement",
     "differential-evolution",
@@ -47,6 +50,8 @@ HEADLINE = (
     "bounded",
     "true",
 )
+#: Guesses of Algorithm 1 in the column over the accepted experiments.
+GUESSES = 100_000
 #: Published rows, each before the method that it is compared with.
 PRINTED = {"algorithm1": "Published, Algorithm 1", "least-squares": "Published, least squares"}
 #: Targets whose costs a page shows, with the label of each row.
@@ -116,21 +121,35 @@ def table10() -> str:
     return table_of_totals("table10", MOTIONS, first, "mean T1 to T4")
 
 
+def over_experiments() -> dict[str, str]:
+    """Mean over T1 to T4 on the accepted experiments by method: median and range, with `GUESSES` if it guesses."""
+    frame = pd.read_csv(REFERENCE / "tables/accepted.csv")
+    chosen = frame[(frame["unit"] == "all") & frame["guesses"].isin([0, GUESSES])]
+    return {
+        row["method"]: "{:.1f} ({:.1f} to {:.1f}), {}".format(
+            *(100 * row[f"mean_{end}"] for end in ("median", "low", "high")), row["experiments"]
+        )
+        for row in chosen.to_dict("records")
+    }
+
+
 def headline() -> str:
-    """Means over N1 to N4, and the simulated arm."""
+    """Means over N1 to N4, the simulated arm, and the accepted experiments."""
     numeric = [totals(name).mean(axis=1) for name in ("table06", "table07")]
-    arm = totals("table10")
+    arm, everywhere = totals("table10"), over_experiments()
     rows = []
     for key in HEADLINE:
         if key in PRINTED:
             printed = published("table10", MOTIONS, f"/{key}")
             validated = mean(published("table07", NUMERIC, "")) if key == "algorithm1" else float("nan")
             first = "over 97.38" if key == "algorithm1" else ""
-            rows.append([PRINTED[key], first, *map(percent, (validated, *printed[:2], mean(printed[2:])))])
+            shown = [*map(percent, (validated, *printed[:2], mean(printed[2:]))), percent(mean(printed[2:]))]
+            rows.append([PRINTED[key], first, *shown])
         values = [*(part.get(key, float("nan")) for part in numeric), *arm.loc[key, cells(["ID"])]]
-        rows.append([title_of(key), *map(percent, [*values, mean(arm.loc[key, cells(VALIDATION)].tolist())])])
+        own = map(percent, [*values, mean(arm.loc[key, cells(VALIDATION)].tolist())])
+        rows.append([title_of(key), *own, everywhere.get(key, "")])
     header = ["", "N1-N4, identification", "N1-N4, validation", "arm, ID τ1", "ID τ2", "arm, mean T1 to T4"]
-    return markdown(header, rows)
+    return markdown([*header, "accepted experiments, mean T1 to T4: median (95 % range), number"], rows)
 
 
 def verdicts() -> str:
@@ -156,18 +175,16 @@ def costs() -> str:
 
 def verdict() -> str:
     """Differences of the mean total in points, all intervals valid at once."""
-    frame = pd.read_csv(REFERENCE / "tables/verdict.csv")
-    shown = frame.apply(
-        lambda row: "{:.1f} ({:.1f} to {:.1f}), {}".format(
-            *(100 * row[name] for name in ("difference", "low", "high")), row["conclusion"]
-        ),
-        axis=1,
-    )
-    sets = {key: f"{key} ({of['arms'].iloc[0]} arms)" for key, of in frame.groupby("set", sort=False)}
-    rows = []
-    for (method, opponent), of in shown.groupby([frame["method"], frame["opponent"]], sort=False):
-        rows.append([title_of(method), title_of(opponent), *of])
-    return markdown(["", "against", *sets.values()], rows)
+    rows = [
+        [
+            *(title_of(row[name]) for name in ("method", "opponent")),
+            "{:.1f} ({:.1f} to {:.1f}), {}".format(
+                *(100 * row[name] for name in ("difference", "low", "high")), row["conclusion"]
+            ),
+        ]
+        for row in pd.read_csv(REFERENCE / "tables/verdict.csv").to_dict("records")
+    ]
+    return markdown(["", "against", "difference"], rows)
 
 
 def laid_out(name: str) -> str:
