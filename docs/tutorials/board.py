@@ -60,8 +60,9 @@ show(slow)
 
 # %% [markdown]
 # Eq. 10 is a slow motion of 10 s. It excites gravity and friction, and hardly inertia: the interval of I2 contains
-# zero. b1 and k1 replace each other, because the arm has Stribeck friction, which Eq. 1 does not model. The intervals
-# contain the true values.
+# zero. b1 and k1 replace each other, because the arm has Stribeck friction, which Eq. 1 does not model. All intervals
+# but that of k2 contain the true value: joint 2 has friction that grows with its torque, and the intervals do not allow
+# for that.
 #
 # ## What to excite
 #
@@ -85,9 +86,8 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# All parameters but I2 are known to a third now, and the intervals contain the true values. Those of inertia and
-# viscous friction are far narrower than with ID. That of g1 is not: it allows for the arm's ripple and Stribeck
-# friction ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
+# All intervals contain the true values now. Those of inertia and viscous friction are far narrower than with ID. That of
+# g1 is not: it allows for the arm's ripple and Stribeck friction ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
 
 # %%
 fast.plot(log=0)
@@ -95,8 +95,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The torque error on T2 is not smaller, because T2 is a slow motion like ID,
-# and the k of ID contains some of the extra friction near standstill:
+# The parameters are nearer to the truth. The torque error on T2 is not smaller, because the k of ID contains some of the
+# further friction, which T2 has, too:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():

@@ -59,7 +59,7 @@ def optional(tmp_path_factory):
 @pytest.mark.parametrize(
     ("kind", "name", "rows"),
     [
-        ("table", "factorial", 57), ("figure", "factorial", 57), ("table", "factorial_cells", 72),
+        ("table", "factorial", 26), ("figure", "factorial", 26), ("table", "factorial_cells", 18),
         ("table", "paper_recipe", 54), ("figure", "paper_recipe", 6),
     ],
 )  # fmt: skip

@@ -262,8 +262,8 @@ def test_every_exhibit_has_its_rule_and_hands_it_its_sections(rules):
 
 #: Values of every wildcard, for what depends on one.
 ONE = {
-    "suffix": "-tracked", "motion": "T3", "index": "1", "reading": "tracked-guesses", "trained": "tracked-few",
-    "cell": "plain-tracked-index", "seed": "2", "search": "3", "tutorial": "board", "job": "random-narrow-1",
+    "suffix": "-tracked", "motion": "T3", "reading": "tracked-guesses", "trained": "tracked-few",
+    "cell": "plain-tracked", "seed": "2", "search": "3", "tutorial": "board", "job": "random-narrow-1",
     "excitation": "slow", "law": "wide", "network": "posterior", "number": "1", "hypothesis": "2", "start": "1",
 }  # fmt: skip
 
