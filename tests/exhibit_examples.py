@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import matplotlib as mpl
 import numpy as np
@@ -19,7 +20,7 @@ from repro.cnn.architecture import NetworkSettings
 from repro.exhibits import catalogue, declare, style
 from repro.exhibits.many_arms import RANKS
 from repro.exhibits.panels import long_table
-from repro.exhibits.print_compatible import MEAN, by_experiment
+from repro.exhibits.print_compatible import guesses
 from repro.exhibits.schematics import words
 from repro.model.parameters import NAMES
 from repro.pipeline.factorial import effects
@@ -133,11 +134,9 @@ def spread_frame() -> pd.DataFrame:
 
 def guesses_frame() -> pd.DataFrame:
     """Four experiments by the number of guesses."""
-    means = by_experiment(guess_scores())
-    shown = means[means["case"].isin(["ID", MEAN])]
-    on = shown.groupby(["method", "guesses", "experiment", "case"])["total"].mean().reset_index()
-    printed = pd.DataFrame({"case": ["ID", MEAN], "total": [0.94, 0.9174], "method": "published"})
-    return pd.concat([on, printed.assign(guesses=0, experiment=0)], ignore_index=True)
+    with TemporaryDirectory() as folder:
+        guess_scores().to_csv(path := Path(folder) / "scores.csv", index=False)
+        return guesses.numbers({"scores": [path]}, {})
 
 
 def readings_frame() -> pd.DataFrame:

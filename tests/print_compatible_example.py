@@ -15,6 +15,8 @@ LEVELS = {
     ("algorithm1", 1_000_000): 0.93,
     ("algorithm1+desired", 1000): 0.80,
     ("algorithm1+desired", 100_000): 0.915,
+    ("algorithm1+tracked-measured", 1000): 0.75,
+    ("algorithm1+tracked-measured", 100_000): 0.90,
     ("least-squares", 0): 0.89,
     ("bounded", 0): 0.91,
     ("true", 0): 0.92,

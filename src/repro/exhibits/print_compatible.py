@@ -234,40 +234,61 @@ def accepted_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
     return cells[cells["unit"] == "all"].drop(columns="unit")
 
 
+#: Variants of Algorithm 1 in the figure, and what a row of its numbers is of.
+SEARCHED = ("algorithm1", "algorithm1+desired", "algorithm1+tracked-measured")
+EACH, MEDIAN, OF_FEW = "experiment", "median", "median of those with the largest budget"
+
+
 def draw_guesses(frame: pd.DataFrame) -> Figure:
-    """Mean total against the number of guesses: a line for each experiment, and their median."""
-    drawn, panels = style.new_panels(style.PAGE, 2.8, 1, 2, sharey=True)
-    for axes, (case, title) in zip(
-        panels, (("ID", "ID, mean of both joints"), (MEAN, f"Mean over {SPAN}")), strict=True
-    ):
-        own = frame[frame["case"] == case]
-        for method in ("algorithm1", "algorithm1+desired"):
-            rows, look = own[own["method"] == method], style.STROKES[method]
-            for _, line in rows.groupby("experiment"):
-                axes.plot(line["guesses"], 100.0 * line["total"], color=look["color"], alpha=0.25, lw=0.6)
-            everywhere = rows.groupby("guesses")["total"].agg(["median", "size"])
-            whole = everywhere[everywhere["size"] == everywhere["size"].max()]
-            label = style.SERIES_LABELS[method]
-            axes.plot(whole.index, 100.0 * whole["median"], label=label, **look, **style.MARKS[method])
+    """Mean total against the number of guesses: a line for each experiment, and medians."""
+    drawn, panels = style.new_panels(style.PAGE, 3.0, 1, 2, sharey=True)
+    titles = {"ID": "ID, mean of both joints", MEAN: f"Mean over {SPAN}"}
+    for axes, (case, title) in zip(panels, titles.items(), strict=True):
+        own = dict(iter(frame[frame["case"] == case].groupby(["of", "method"])))
+        for method in SEARCHED:
+            look, label = style.STROKES[method], style.SERIES_LABELS[method]
+            for _, line in own[EACH, method].groupby("experiment"):
+                axes.plot(line["guesses"], 100.0 * line["total"], color=look["color"], alpha=0.2, lw=0.6)
+            median = own[MEDIAN, method]
+            axes.plot(median["guesses"], 100.0 * median["total"], label=label, **look, **style.MARKS[method])
+        few = own[OF_FEW, SEARCHED[0]]
+        label = f"{style.SERIES_LABELS[SEARCHED[0]]}, {few['experiments'].max():.0f} experiments, one seed"
+        axes.plot(few["guesses"], 100.0 * few["total"], label=label, color=style.INK, marker="s", ms=3.0, lw=0.8)
         for method in ("least-squares", "bounded"):
-            level = 100.0 * own.loc[own["method"] == method, "total"].median()
+            level = 100.0 * own[MEDIAN, method]["total"].iloc[0]
             axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
-        published = 100.0 * own.loc[own["method"] == "published", "total"].iloc[0]
+        published = 100.0 * own[MEDIAN, "published"]["total"].iloc[0]
         axes.axhline(published, color=style.INK, lw=1.4, label="Published, Algorithm 1")
         axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(0.0, 100.0))
     panels[0].set_ylabel("Total similarity (%)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
 
 
+def medians(means: pd.DataFrame) -> pd.DataFrame:
+    """Rows of each experiment, and their medians where every experiment of a method has the budget."""
+    keys = ["method", "guesses", "case"]
+    of_all = means.groupby(keys)["total"].agg(total="median", experiments="size").reset_index()
+    whole = of_all["experiments"] == of_all.groupby("method")["experiments"].transform("max")
+    return pd.concat([means.assign(of=EACH), of_all[whole].assign(of=MEDIAN)], ignore_index=True)
+
+
 @_figure("Similarity by the number of guesses", draw_guesses)
 def guesses(inputs: Inputs, _: Config) -> pd.DataFrame:
     """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
-    that the printed numbers do not rule out (thin lines) and their median; levels of least squares over the same
-    experiments, and the published level of Algorithm 1.
+    that the printed numbers do not rule out (thin lines) and their median; the median with one seed of those with the
+    largest number; levels of least squares over the same experiments, and the published level of Algorithm 1.
     """
-    totals = by_experiment(_scores(inputs))
-    kept = totals[totals["case"].isin(["ID", MEAN]) & (totals["method"] != "consistent")]
-    mean = kept.groupby(["method", "guesses", "experiment", "case"], sort=False)["total"].mean().reset_index()
+    scores = _scores(inputs)
+    few = scores[(scores["method"] == SEARCHED[0]) & (scores["guesses"] == scores["guesses"].max())]
+    first = scores[scores["experiment"].isin(few["experiment"]) & scores["seed"].isin(few["seed"])]
+    each, longest = (_means(by_experiment(of)) for of in (scores, first[first["method"] == SEARCHED[0]]))
     on_id = float(np.mean([_published("algorithm1", "ID", joint) for joint in (1, 2)]))
     printed = pd.DataFrame({"case": ["ID", MEAN], "total": [on_id, _published("algorithm1", MEAN, 0)]})
-    return pd.concat([mean, printed.assign(method="published", guesses=0, experiment=0)], ignore_index=True)
+    frames = [medians(each), medians(longest).query("of == @MEDIAN").assign(of=OF_FEW)]
+    return pd.concat([*frames, printed.assign(method="published", guesses=0, of=MEDIAN)], ignore_index=True)
+
+
+def _means(totals: pd.DataFrame) -> pd.DataFrame:
+    """Mean of both joints on ID, and `MEAN`, of each experiment."""
+    kept = totals[totals["case"].isin(["ID", MEAN]) & (totals["method"] != "consistent")]
+    return kept.groupby(["method", "guesses", "experiment", "case"], sort=False)["total"].mean().reset_index()
