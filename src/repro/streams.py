@@ -17,7 +17,6 @@ class Stream(IntEnum):
     VALIDATION = 6
     TRAINING_ARMS = 7  # of Figure 9, whose mean gives the mean training torque
     EXAMPLES = 8
-    PLANT = 9  # specimen of the simulated arm
     RANDOM_MOTION = 10  # T1
     EXPERIMENT_SEARCH = 11
     EXPERIMENT_REFINE = 12
@@ -25,7 +24,6 @@ class Stream(IntEnum):
     OWN_REFINE = 15
     OWN_BOOTSTRAP = 16
     TRACKED_ARMS = 17
-    SPREAD_ARMS = 19
     COVERAGE_ARMS = 20
     COVERAGE_GUESSES = 21
     SELF_TEST = 22

@@ -39,14 +39,6 @@ ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{R}/accepted/recordings.
 UNITS = experiment_units(Path(EXPERIMENTS))
 
 
-def accepted_weights(wildcards):
-    """Networks that search an experiment: that of its unit of omega, and in detail that of closed-loop motions."""
-    unit, own = UNITS[int(wildcards.number)], config["signals"]["frequency_reading"]
-    detailed = list(UNITS)[: config["accepted"]["detailed_experiments"]]
-    further = ["-tracked-measured"] if unit == own and int(wildcards.number) in detailed else []
-    return [f"{R}/{network_of_unit(unit, own)}", *map(weights, further)]
-
-
 rule simulate_accepted:
     input:
         experiments=EXPERIMENTS,

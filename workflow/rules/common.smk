@@ -106,6 +106,14 @@ def weights(suffix):
     return f"{R}/model/cnn{names[own]}.safetensors"
 
 
+def accepted_weights(wildcards):
+    """Networks that search an experiment: that of its unit of omega, and in detail that of closed-loop motions."""
+    unit, own = UNITS[int(wildcards.number)], config["signals"]["frequency_reading"]
+    detailed = list(UNITS)[: config["accepted"]["detailed_experiments"]]
+    further = ["-tracked-measured"] if unit == own and int(wildcards.number) in detailed else []
+    return [f"{R}/{network_of_unit(unit, own)}", *map(weights, further)]
+
+
 def is_stored(wildcards):
     """Whether a network is taken from those that come with the project."""
     return config["training"]["source"] == "stored" and wildcards.suffix in ARM_SUFFIXES
