@@ -86,8 +86,9 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# All intervals contain the true values now. Those of inertia and viscous friction are far narrower than with ID. That of
-# g1 is not: it allows for the arm's ripple and Stribeck friction ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
+# All intervals contain the true values now. Those of inertia and viscous friction are far narrower than with ID. That
+# of g1 is not: it allows for the arm's ripple and Stribeck friction
+# ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
 
 # %%
 fast.plot(log=0)
@@ -95,8 +96,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The torque error on T2 is not smaller, because the k of ID contains some of the
-# further friction, which T2 has, too:
+# The parameters are nearer to the truth. The torque error on T2 is not smaller, because the k of ID contains some of
+# the further friction, which T2 has, too:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():
