@@ -55,7 +55,7 @@ def parameters() -> dict[str, dict[str, list[str]]]:
         if not path.is_file():
             continue
         name = base64.urlsafe_b64decode(str(path.relative_to(".snakemake/metadata")).replace("/", "")).decode()
-        if name.startswith((str(RUN), str(FIGURES))):
+        if name.startswith((str(RUN), str(FIGURES))) and Path(name).exists():  # not of an earlier run
             record = json.loads(path.read_text(encoding="utf-8"))
             digest = re.compile(r"(['\"]).+ [0-9a-f]{12}\1")
             given = sorted(value.replace(here, "") for value in record["params"] if not digest.fullmatch(value))
