@@ -58,13 +58,14 @@ from repro import contract
 contract.hold(os.environ)
 import pytest
 from repro.cli import main
-from repro.config import load_config
+from repro.config.check import load_config
+from repro.config.sections import changed
 from repro.fingerprint import differing, fingerprint
 from repro.pipeline.experiment import acquire, read_recording
 recorded = json.loads(Path("docs/reference/provenance.json").read_text())["fingerprint"]
 print(len(differing(recorded, fingerprint())))
 config = load_config(Path("config/config.yaml"))
-simulated = {**config, "experiment": {**config["experiment"], "source": "simulated"}}
+simulated = changed(config, {"experiment": {"source": "simulated"}})
 runs = [(motion, config) for motion in ("ID", "T1", "T2", "T3", "T4")]
 with tempfile.TemporaryDirectory() as folder:
     for motion, settings in [*runs, ("ID", simulated)]:

@@ -11,14 +11,14 @@ contract.hold(os.environ)
 
 import numpy as np
 import torch
-import yaml
 
 from repro.cnn.network import load_network
+from repro.config.check import load_config
+from repro.config.sections import data_settings, search_settings
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, search, select
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.pipeline.identifications import mean_training_torque
-from repro.settings import data_settings, network_settings, numeric_arms, search_settings, signal_settings
 from repro.signals.trajectories import identification_trajectory
 
 
@@ -30,14 +30,15 @@ def main() -> None:
     parser.add_argument("--threads", type=int, default=2)
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
-    config = yaml.safe_load(args.config.read_text(encoding="utf-8"))
-    signals, data = signal_settings(config), data_settings(config)
-    settings, n1 = search_settings(config), config["numeric"]["margin_samples"]
-    network = load_network(args.weights, network_settings(config))
-    motion = identification_trajectory(signals.duration, signals.h, n1)
+    config = load_config(args.config)
+    signals, data = config.signals, data_settings(config)
+    settings, n1 = search_settings(config), config.numeric.margin_samples
+    network = load_network(args.weights, config.network)
+    motion = identification_trajectory(signals.duration_s, signals.sampling_period_s, n1)
     y = regressor(motion.q, motion.dq, motion.ddq)
     mean = mean_training_torque(signals, data, 1)
-    for name, beta in numeric_arms(config).items():
+    for name, parameters in config.numeric.arms:
+        beta = np.array(parameters)
         seconds, images = [], []
         for seed in range(10):
             began = time.perf_counter()

@@ -11,7 +11,8 @@ contract.hold(os.environ)
 
 import numpy as np
 
-from repro.config import load_config, merged
+from repro.config.check import load_config
+from repro.config.sections import changed
 from repro.fpga.controller import simulate
 from repro.fpga.frames import encode
 from repro.fpga.messages import encode_start
@@ -56,9 +57,9 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=5)
     args = parser.parse_args()
     config = load_config(args.config)
-    e, h = config["experiment"], config["signals"]["sampling_period_s"]
-    around = e["lead_in_s"] + 2 * e["margin_samples"] * h
-    program = program_from_config(merged(config, {"experiment": {"duration_s": args.seconds - around}}), "ID")
+    e, h = config.experiment, config.signals.sampling_period_s
+    around = e.lead_in_s + 2 * e.margin_samples * h
+    program = program_from_config(changed(config, {"experiment": {"duration_s": args.seconds - around}}), "ID")
     alone, together = [], []
     for _ in range(args.repeats):  # in turn, so that both meet the same load
         began = time.process_time()

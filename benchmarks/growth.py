@@ -20,7 +20,8 @@ from identify_speed import made_up, silent
 
 from repro.cnn.train import train
 from repro.commands.identify import LEAST_SQUARES
-from repro.config import load_config
+from repro.config.check import load_config
+from repro.config.sections import data_settings, of_network
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant
 from repro.logs.armfile import Arm
@@ -32,7 +33,6 @@ from repro.pipeline.identifications import identify_recording, mean_training_tor
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.simulated_arms import training_motion
 from repro.pipeline.stored_networks import configuration_digest, stored_files
-from repro.settings import data_settings, network_settings, of_network, signal_settings, training_settings
 
 CONFIG = load_config(Path("config/config.yaml"))
 TRACKED = of_network(CONFIG, "tracked")
@@ -40,7 +40,7 @@ TRACKED = of_network(CONFIG, "tracked")
 
 def searches(recordings: int, seeds: int) -> None:
     """Algorithm 1 with the network of tracked motions on as many recordings and with as many seeds."""
-    weights, signals = stored_files("data/networks", "-tracked")["weights"], signal_settings(TRACKED)
+    weights, signals = stored_files("data/networks", "-tracked")["weights"], TRACKED.signals
     algorithm1 = for_the_arm(algorithm1_of("tracked", str(weights), TRACKED, configuration_digest(TRACKED)), TRACKED)
     (recorded,) = read_recordings(["data/captures/ID.bin"], TRACKED)
     mean = mean_training_torque(signals, data_settings(TRACKED), 1)
@@ -68,8 +68,8 @@ def log(seconds: int) -> None:
 
 def training(steps: int) -> None:
     """Steps of the published network's training."""
-    settings = replace(training_settings(CONFIG), steps=steps, test_samples=256)
-    train(training_motion(CONFIG, None), data_settings(CONFIG), network_settings(CONFIG), settings)
+    settings = replace(CONFIG.training, steps=steps, test_samples=256)
+    train(training_motion(CONFIG, None), data_settings(CONFIG), CONFIG.network, settings)
 
 
 GROWTH: dict[str, tuple[tuple[int, ...], Callable[[int], None]]] = {

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.errors import InputError
 from repro.paper import ledger
 from repro.paper.ledger import PUBLISHED_NAME, verify_ledger

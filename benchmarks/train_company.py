@@ -31,7 +31,7 @@ def train(steps, threads):
 
     torch.set_num_threads(threads)
     signals = SignalSettings()
-    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    motion = sample_motion(identification_trajectory(signals.duration_s, signals.sampling_period_s), signals)
 
     def took(n):
         began = time.perf_counter()

@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from repro.config_model import Configuration
+from repro.config.model import Configuration
 from repro.files import write_text
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -49,17 +49,19 @@ def _table(schema: dict[str, Any], values: yaml.Node, place: list[str]) -> str:
     for name, key in keys.items():
         cells = {"key": f"`{name}`", "meaning": key["description"], "unit": key.get("unit"), "from": key.get("from")}
         if "default" in header:
-            cells |= {"default": _default(_entry(values, name)), "allowed": _allowed(key)}
+            cells |= {"default": _default(_entry(values, name), key), "allowed": _allowed(key)}
         rows.append([str(cells[column] or "-").replace("|", "\\|") for column in header])
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
 
 
-def _entry(mapping: yaml.Node, name: str) -> yaml.Node:
-    return next(value for key, value in mapping.value if key.value == name)
+def _entry(mapping: yaml.Node, name: str) -> yaml.Node | None:
+    return next((value for key, value in mapping.value if key.value == name), None)
 
 
-def _default(node: yaml.Node) -> str:
-    """Value as `config.yaml` spells it."""
+def _default(node: yaml.Node | None, key: dict[str, Any]) -> str:
+    """Value as `config.yaml` spells it, or of a key that it leaves out that of the class."""
+    if node is None:
+        return f"`{key['default']}`"
     if isinstance(node, yaml.ScalarNode):
         return f"`{node.value}`"
     shown = f"[{', '.join(item.value for item in node.value)}]" if isinstance(node, yaml.SequenceNode) else ""
@@ -74,7 +76,7 @@ def _allowed(key: dict[str, Any]) -> str:
     elif kind == "array":
         low, high = key["minItems"], key.get("maxItems")
         count = f"{low} values" if low == high else f"{low} to {high} values" if high else f"{low} or more values"
-        words = f"{count}, each {_allowed(key['items'])}"
+        words = f"{count}, each {_allowed(key['items'] if 'items' in key else key['prefixItems'][0])}"
     elif kind in ("number", "integer"):
         words = _range(key)
     else:

@@ -5,6 +5,7 @@ project's folder: ``python docs/pages.py``. ``docs/refresh.py`` does it after ea
 """
 
 import argparse
+import dataclasses
 import inspect
 import json
 import re
@@ -12,12 +13,14 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from statistics import fmean as mean
+from typing import Any, cast
 
 import pandas as pd
 
 import repro
 from repro.cli import parser
 from repro.exhibits.style import METHODS, title_of
+from repro.keys import Key
 from repro.paper.published import load_published
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -249,13 +252,14 @@ def described(name: str, what: object) -> str:
 
 
 def fields(what: object) -> str:
-    """Fields of a class of settings, each with its default and the comment of its declaration."""
+    """Fields of a class of settings, each with its default, its unit and the meaning of its key."""
     if what not in (repro.SearchSettings, repro.SignalSettings):
         return ""
     lines = ["", "", "Fields", "------"]
-    for above, name, behind in FIELD.findall(inspect.getsource(what).partition("    def ")[0]):
-        meaning = behind or " ".join(above.replace("#:", "").split())
-        lines += [f"{name} = {getattr(what(), name)!r}", f"    {meaning}"]
+    for field in dataclasses.fields(cast(Any, what)):
+        (key,) = [each for each in getattr(field.type, "__metadata__", ()) if isinstance(each, Key)] or [NOT_PUBLIC]
+        unit = f" ({key.unit})" if key.unit else ""
+        lines += [f"{field.name} = {field.default!r}", f"    {key.meaning}{unit}"]
     return "\n".join(lines)
 
 
@@ -268,8 +272,8 @@ TABLES |= {
         *("study_claims", "study_expectations", "study_levels"),
     )
 }
-#: Field of a class of settings: comment above it, name, comment next to it.
-FIELD = re.compile(r"((?:^    #: .*\n)*)^    (\w+): [^=\n]+ = .+?(?:  # (.+))?$", re.MULTILINE)
+#: Of a field that no section of the configuration has.
+NOT_PUBLIC = Key("not public: leave it out")
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

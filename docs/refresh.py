@@ -11,7 +11,8 @@ from pathlib import Path
 from pages import write_pages
 from PIL import Image
 
-from repro.config import load_config
+from repro.config.check import load_config, read_config
+from repro.config.sections import plain
 from repro.exhibits.catalogue import EXHIBITS
 from repro.files import write_json
 from repro.paper.ledger import write_ledger
@@ -54,7 +55,7 @@ OPTIONAL = (
 def refresh_reference() -> None:
     """Copy what a reader compares their own run with."""
     config = load_config(CONFIG)
-    results, made_by = Path(config["results"]), commit(Path())  # before the copy makes the folder differ
+    results, made_by = Path(config.results), commit(Path())  # before the copy makes the folder differ
     study = {path.relative_to(run).as_posix() for run in (REFERENCE, results) for path in run.glob("study/cells/*.csv")}
     asked_for = (*OPTIONAL, *sorted(study))
     kept = {name: (REFERENCE / name).read_bytes() for name in asked_for if (REFERENCE / name).is_file()}
@@ -69,7 +70,9 @@ def refresh_reference() -> None:
             (REFERENCE / name).write_bytes(content)
     for name in ASKED_FOR:
         if (results / f"tables/{name}.csv").exists():  # a run of its own, so it says for itself what made it
-            write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": config_digest(config)})
+            write_json(
+                REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": config_digest(read_config(CONFIG))}
+            )
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
 
@@ -77,9 +80,9 @@ def refresh_reference() -> None:
 def refresh_networks() -> None:
     """Copy the networks of the run with their histories and cards: what `make quick` takes instead of training."""
     config = load_config(CONFIG)
-    for suffix in ("", *(f"-{name}" for name in config["networks"] if not name.startswith("paper-recipe"))):
-        made = stored_files(Path(config["results"]) / "model", suffix)
-        for what, path in stored_files(config["training"]["networks"], suffix).items():
+    for suffix in ("", *(f"-{name}" for name in plain(config.networks) if not name.startswith("paper-recipe"))):
+        made = stored_files(Path(config.results) / "model", suffix)
+        for what, path in stored_files(config.training.networks, suffix).items():
             if not made[what].exists():
                 continue  # a network that is trained as another one has no files of its own
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -88,7 +91,7 @@ def refresh_networks() -> None:
 
 def refresh_board() -> None:
     """Copy the synthesis of the board in logic, of target `synthesise_board`, if the results have one."""
-    made = Path(load_config(CONFIG)["results"]) / "board/size.csv"
+    made = Path(load_config(CONFIG).results) / "board/size.csv"
     if made.exists():
         shutil.copy(made, Path("data/board"))
 
@@ -96,7 +99,7 @@ def refresh_board() -> None:
 def refresh_ledger() -> None:
     """Compute the ledger of the reference, and the check sums of everything that is kept."""
     config = load_config(CONFIG)
-    write_ledger(REFERENCE, config, [], folders=[REFERENCE, Path(config["training"]["networks"])])
+    write_ledger(REFERENCE, config, [], folders=[REFERENCE, Path(config.training.networks)])
 
 
 if __name__ == "__main__":

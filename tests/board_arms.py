@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.fpga.controller import simulate
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.fpga.plant import NOTHING, Plant

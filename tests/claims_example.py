@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.files import read_csv, write_csv
 from repro.model.parameters import NAMES
 from repro.paper.ledger import write_ledger

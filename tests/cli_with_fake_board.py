@@ -11,8 +11,8 @@ DESIRED, FRAMES = frames_of(200)
 
 
 def load_config(path):
-    """Stands for `repro.config.load_config`."""
-    return {"experiment": {"port": "/nowhere", "baud": 115200, "seed": 1}}
+    """Stands for `repro.config.check.load_config`."""
+    return types.SimpleNamespace(experiment=types.SimpleNamespace(port="/nowhere", baud=115200, seed=1))
 
 
 def stub():
@@ -27,9 +27,9 @@ def stub():
 
 if __name__ == "__main__":
     sys.modules["repro.pipeline.experiment"] = stub()
-    import repro.config
+    import repro.config.check
     from repro.cli import main
 
-    repro.config.load_config = load_config
+    repro.config.check.load_config = load_config
 
     sys.exit(main(sys.argv[1:]))

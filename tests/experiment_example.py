@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
-from repro.config import merged
+from repro.config import sections as own
+from repro.config.check import load_config
 from repro.errors import InputError
 from repro.fpga.capture import write_capture
 from repro.fpga.frames import RADIANS_PER_COUNT, encode
@@ -30,22 +30,19 @@ def refused(call, *arguments, **options):
 
 def full_config():
     """The configuration of the repository."""
-    return yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+    return load_config(ROOT / "config" / "config.yaml")
 
 
 def changed(config, **sections):
     """A copy with some values of some sections replaced."""
-    return merged(config, sections)
+    return own.changed(config, sections)
 
 
 def short_config():
     """Motions of a few seconds, and motors strong enough for them."""
-    config = full_config()
-    config["signals"]["duration_s"] = 6.0
-    config["board"]["full_torque_nm"] = [8.0, 8.0]
     brief = {"t1": {"samples": 2400, "range_rad": 0.1}, "t2": {"samples": 2400}, "t3": {"samples": 2400}}
     brief |= {"t4": {"samples": 2400}, "duration_s": 6.0, "search_seeds": [1, 2, 3]}
-    return changed(config, experiment=brief)
+    return changed(full_config(), signals={"duration_s": 6.0}, board={"full_torque_nm": (8.0, 8.0)}, experiment=brief)
 
 
 def followed(program, config):

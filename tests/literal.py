@@ -5,6 +5,7 @@ test_dynamics.py checks against other programs, and the metric, which test_metri
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -24,7 +25,18 @@ ARMS = {
 }
 
 #: A network small enough for tests; its images are 44 x 44 x 2.
-SMALL = NetworkSettings(image_size=44, maps=4, hidden=(16, 8))
+
+
+@dataclass(frozen=True)
+class Sizes(NetworkSettings):
+    """Other sizes than the paper's."""
+
+    image_size: int = 100
+    maps: int = 10
+    kernels: tuple[int, int, int] = (9, 5, 3)
+
+
+SMALL = Sizes(hidden=(16, 8), image_size=44, maps=4)
 
 
 def cosines(n):
@@ -115,7 +127,7 @@ def algorithm1(network, q, tau, tau_mean, signals, cut, search, streams, scale="
 
     Returns beta_m, the execution and n_e of each of its rows, the images read, beta_o and its similarity.
     """
-    h, c_f, m = signals.h, signals.c_f, signals.samples
+    h, c_f, m = signals.sampling_period_s, signals.filter_coefficient, signals.image_samples
     dq = derivative(q, h, c_f)  # 1
     ddq = derivative(dq, h, c_f)  # 2
     tau = low_pass(tau, h, c_f)  # 3
@@ -131,7 +143,7 @@ def algorithm1(network, q, tau, tau_mean, signals, cut, search, streams, scale="
     for k_t in range(i_1):  # 13
         n_e, n_it = 0.0, 0  # 14, 15
         while n_e < u and n_it < o_v:  # 16
-            beta_n = streams[k_t].uniform(search.low, search.high, 9)  # 17
+            beta_n = streams[k_t].uniform(search.guess_low, search.guess_high, 9)  # 17
             picture = image(tau_n, 2 * tau_n - inverse_dynamics(*image_motion, beta_n), scale)  # 18
             r = read(network, picture)  # 19, 20
             images += 1

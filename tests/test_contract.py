@@ -80,7 +80,7 @@ def test_the_contract_and_nothing_else_decides_the_kernels():
 DESIRED = """
 import sys
 from pathlib import Path
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.pipeline.experiment import program_from_config
 config = load_config(Path("config/config.yaml"))
 print(*(program_from_config(config, name).q.tobytes().hex() for name in ("ID", "T3")))

@@ -45,7 +45,9 @@ def draws():
     yield "expected accuracy", expected_accuracy((motion.q, motion.dq, motion.ddq), np.array([0.05, 0.03]), 20.0)
     yield "motions of the search", {str(motion): motion.draw(rng()).q[:, 5::2000] for motion in MOTIONS}
     signals = SignalSettings()
-    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals, unmodelled=True)
+    motion = sample_motion(
+        identification_trajectory(signals.duration_s, signals.sampling_period_s), signals, unmodelled=True
+    )
     for settings in (DataSettings(), DataSettings(unmodelled=UnmodelledSettings(0.3, 0.1, 0.02, 0.004))):
         samples = draw_samples(rng(), 3, motion, settings)
         yield "samples", [samples.residual, samples.u[..., ::25], samples.v[..., ::25]]

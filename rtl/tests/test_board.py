@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.fpga.capture import read_capture
 from repro.fpga.channel_errors import ErrorInjector, ErrorRates
 from repro.fpga.messages import (

@@ -3,9 +3,10 @@
 import json
 import re
 import stat
+from dataclasses import fields, is_dataclass
 from inspect import get_annotations
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -205,6 +206,7 @@ _EXPECTED = {
     "list_type": "a list",
     "tuple_type": "a list",
     "dict_type": "a section",
+    "dataclass_type": "a section",
     "model_type": "a section",
     "too_short": "at least {min_length} values",
     "too_long": "at most {max_length} values",
@@ -274,7 +276,8 @@ def _fields(section: Any) -> dict[str, FieldInfo]:  # noqa: ANN401
     """Keys of a model, of a dataclass or of a TypedDict that a file may have."""
     declared = getattr(section, "__pydantic_fields__", None)
     if declared is None:
-        return {name: FieldInfo.from_annotation(kind) for name, kind in get_annotations(section).items()}
+        typed = {one.name: one.type for one in fields(section)} if is_dataclass(section) else get_annotations(section)
+        return {name: FieldInfo.from_annotation(cast(Any, kind)) for name, kind in typed.items()}
     return {field.alias or name: field for name, field in declared.items() if not field.exclude}
 
 

@@ -18,12 +18,12 @@ from scipy.integrate import solve_ivp
 
 import repro
 from repro.cli import main
-from repro.config import load_config
+from repro.config.check import load_config
+from repro.config.sections import data_settings, search_settings
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.model.dynamics import forward_dynamics
 from repro.pipeline.experiment import read_recording
 from repro.pipeline.identifications import identify_recording
-from repro.settings import data_settings, search_settings, signal_settings
 
 #: Parameters of each public function; a change breaks programs of users.
 SIGNATURES = {
@@ -41,8 +41,9 @@ SIGNATURES = {
     "images": "q, dq, ddq, tau, guess, settings",
     "load_network": "path, settings, fact, precision",
     "algorithm1": "q, tau, network, begin, end, signals, search_settings, seed",
-    "SearchSettings": "executions, inner_limit, threshold, low, high, feasibility, metric, image_motion",
-    "SignalSettings": "h, c_f, omega_unit, samples, duration, normalise_motion",
+    "SearchSettings": "executions, inner_limit, threshold, guess_low, guess_high, feasibility, image_motion, metric",
+    "SignalSettings": "sampling_period_s, filter_coefficient, frequency_reading, image_samples, duration_s, "
+    "normalise_motion",
     "read_capture": "path",
 }
 METHODS = "of, beta, parameters, errors, residuals, warnings, unusable, predict, simulate, plot, save"
@@ -290,10 +291,12 @@ def test_errors_name_the_arguments_of_the_public_functions():
             repro.inverse_dynamics(signal, signal, signal, np.ones(9), friction_steepness=steepness)
     with pytest.raises(ValueError, match=r"^begin, end: "):
         repro.algorithm1(np.ones((2, 400)), np.ones((2, 400)), None, begin=300, end=10)
-    for wrong in ({"executions": 0}, {"inner_limit": 2.5}, {"threshold": 92.37}, {"low": 4.0}, {"image_motion": "x"}):
+    choice = {"image_motion": "x"}
+    for wrong in ({"executions": 0}, {"inner_limit": 2.5}, {"threshold": 92.37}, {"guess_low": 4.0}, choice):
         with pytest.raises(ValueError, match=f"^{next(iter(wrong))}"):
             repro.SearchSettings(**wrong)
-    for wrong in ({"h": -1}, {"h": "x"}, {"c_f": -1e-4}, {"samples": 2.5}, {"duration": np.inf}, {"omega_unit": "rpm"}):
+    period, other = {"sampling_period_s": "x"}, {"frequency_reading": "rpm"}
+    for wrong in (period, {"filter_coefficient": -1e-4}, {"image_samples": 2.5}, {"duration_s": np.inf}, other):
         with pytest.raises(repro.InputError, match=f"^{next(iter(wrong))}: found .*, expected "):
             repro.SignalSettings(**wrong)
     arm = repro.Arm(position_limit=((-1.0, 1.0), (-2.0, 2.0)), speed_limit=(3.0, 4.0))
@@ -327,11 +330,11 @@ def test_algorithm1_gives_the_numbers_of_the_workflow(longer):
     config = load_config(Path("config/config.yaml"))
     recording = read_recording(Path("data/captures/ID.bin"), config)
     program = replace(recording.program, n2=recording.program.n2 + longer)
-    recording, signals = replace(recording, program=program), signal_settings(config)
+    recording, signals = replace(recording, program=program), config.signals
     network = repro.load_network("data/networks/cnn.safetensors")
     few = replace(search_settings(config), executions=3, inner_limit=4, threshold=0.9)
     algorithm1 = Algorithm1("published", network, data_settings(config).image, few, RefinementSettings(passes=0))
-    level = np.ones((2, round(signals.duration / signals.h)))  # cancels in line 32
+    level = np.ones((2, round(signals.duration_s / signals.sampling_period_s)))  # cancels in line 32
     run = identify_recording(algorithm1, recording, level, signals, 5, np.zeros(9))
     part = {"begin": program.n1, "end": program.n2}
     found = repro.algorithm1(recording.q, recording.tau, network, **part, search_settings=few, seed=5)

@@ -14,19 +14,19 @@ from strategies import seeds
 from repro.cnn import dataset
 from repro.cnn.dataset import DataSettings, UnmodelledSettings, draw_unmodelled, sample_motion, stack_motions
 from repro.cnn.image import ImageSettings
-from repro.cnn.priors import GuessSettings, Prior
+from repro.cnn.priors import Prior
 from repro.model.dynamics import LAMBDA, inverse_dynamics
 from repro.signals.dct import SignalSettings, image_regressor
 from repro.signals.trajectories import identification_trajectory
 
 # 471 samples over the published 3 pi s.
-SIGNALS = SignalSettings(h=0.02, samples=60)
-MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
+SIGNALS = SignalSettings(sampling_period_s=0.02, image_samples=60)
+MOTION = identification_trajectory(SIGNALS.duration_s, SIGNALS.sampling_period_s)
 SAMPLED = sample_motion(MOTION, SIGNALS, unmodelled=True)
 
 #: With a divisor of 1 the factors are alpha and psi themselves.
 BARE = ImageSettings("constant", 1.0)
-EXACT, FAR = (GuessSettings(exact_share=share, near_share=0.0) for share in (1.0, 0.0))
+EXACT, FAR = ({"exact_share": share, "near_share": 0.0} for share in (1.0, 0.0))
 
 
 def draw(seed=0, n=8, motion=SAMPLED, **choices):
@@ -41,7 +41,9 @@ def alpha_psi(samples):
 @pytest.mark.parametrize("arm", literal.ARMS)
 def test_torque_is_the_filtered_and_subsampled_inverse_dynamics(arm):
     tau = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, literal.ARMS[arm])
-    expected = literal.subsample(literal.low_pass(tau, SIGNALS.h, SIGNALS.c_f), SIGNALS.samples)
+    expected = literal.subsample(
+        literal.low_pass(tau, SIGNALS.sampling_period_s, SIGNALS.filter_coefficient), SIGNALS.image_samples
+    )
     found = SAMPLED.torque @ literal.ARMS[arm]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
 
@@ -49,7 +51,7 @@ def test_torque_is_the_filtered_and_subsampled_inverse_dynamics(arm):
 @pytest.mark.parametrize("normalise", [False, True])
 def test_model_is_equation_1_on_the_subsampled_motion(normalise):
     chosen = replace(SIGNALS, normalise_motion=normalise)
-    motion = [literal.subsample(x, SIGNALS.samples) for x in (MOTION.q, MOTION.dq, MOTION.ddq)]
+    motion = [literal.subsample(x, SIGNALS.image_samples) for x in (MOTION.q, MOTION.dq, MOTION.ddq)]
     if normalise:  # Eq. 8: every signal of every joint by its own maximum
         motion = [np.stack([row / max(row.max(), -row.min()) for row in x]) for x in motion]
     sampled = sample_motion(MOTION, chosen)
@@ -63,7 +65,7 @@ def test_model_is_equation_1_on_the_subsampled_motion(normalise):
 @given(seeds, st.sampled_from(get_args(Prior)))
 def test_guess_and_label_together_rebuild_the_torque_of_the_image(label, tolerance, seed, prior):
     """With physical labels its shape alone: the parameters are not in units of the largest torque."""
-    samples = draw(seed, prior=prior, label=label, image=BARE, guess=FAR)
+    samples = draw(seed, prior=prior, label=label, image=BARE, **FAR)
     alpha, psi = alpha_psi(samples)
     columns = SAMPLED.model.reshape(-1, 9)  # psi = 2 alpha - f(beta_n)
     guesses = np.linalg.lstsq(columns, (2 * alpha - psi).reshape(len(alpha), -1).T, rcond=None)[0].T
@@ -76,7 +78,7 @@ def test_guess_and_label_together_rebuild_the_torque_of_the_image(label, toleran
 @given(seeds)
 def test_right_guess_has_label_zero_and_psi_equal_to_alpha(seed):
     same = dataset.SampledMotion(SAMPLED.model, SAMPLED.model)  # a torque that f rebuilds without error
-    samples = draw(seed, motion=same, image=BARE, guess=EXACT)
+    samples = draw(seed, motion=same, image=BARE, **EXACT)
     alpha, psi = alpha_psi(samples)
     np.testing.assert_array_equal(samples.residual, 0.0)
     np.testing.assert_allclose(psi, alpha, rtol=0, atol=1e-6)
@@ -96,7 +98,9 @@ def torque(settings, motion=SAMPLED, beta=BETA, largest=1.0, phase=0.0, which=0)
 
 
 def subsampled(x, signals=SIGNALS):
-    return literal.subsample(literal.low_pass(x, signals.h, signals.c_f), signals.samples)
+    return literal.subsample(
+        literal.low_pass(x, signals.sampling_period_s, signals.filter_coefficient), signals.image_samples
+    )
 
 
 def test_stribeck_friction_adds_to_coulomb_friction():
@@ -114,7 +118,10 @@ def test_a_ripple_turns_with_the_joint(which, cycles):
 
 def test_a_late_torque_is_the_torque_of_a_moment_ago():
     late, signals = 1e-3, replace(SIGNALS, h=4e-3)
-    now, fine = (identification_trajectory(signals.duration, h) for h in (signals.h, signals.h / 10))
+    now, fine = (
+        identification_trajectory(signals.duration_s, h)
+        for h in (signals.sampling_period_s, signals.sampling_period_s / 10)
+    )
     smooth = BETA * ([1.0] * 7 + [0.0] * 2)  # friction that jumps is not of first order
     changes = torque(UnmodelledSettings(delay_s=late), sample_motion(now, signals, unmodelled=True), smooth)
     for arm, change in zip(smooth, changes, strict=True):

@@ -53,7 +53,7 @@ def gradients(network, residual, weights):
     return {name: p.grad.clone() for name, p in network.named_parameters()}
 
 
-OTHER = NetworkSettings(60, 3, (7, 4, 2), (5, 6))
+OTHER = literal.Sizes(hidden=(5, 6), image_size=60, maps=3, kernels=(7, 4, 2))
 
 
 @pytest.mark.parametrize(("sizes", "seed"), [*((literal.SMALL, k) for k in range(20)), (PUBLISHED, 0), (OTHER, 0)])
@@ -75,7 +75,7 @@ def test_bfloat16_gradients_point_the_same_way():
     """Eight bits of mantissa, 0.4 % a rounding: outputs to 2 % of the largest, gradients to a cosine of 0.98."""
     plain, factored = pair(PUBLISHED, "bfloat16")
     signals = SignalSettings()
-    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    motion = sample_motion(identification_trajectory(signals.duration_s, signals.sampling_period_s), signals)
     samples = draw_samples(np.random.default_rng(0), 16, motion, DataSettings())
     u, v, label = torch.from_numpy(samples.u), torch.from_numpy(np.array(samples.v)), torch.from_numpy(samples.residual)
     expected, found = plain(torch.from_numpy(assemble(samples.u, samples.v))), factored(u, v)
@@ -140,7 +140,7 @@ def test_tied_pixels_of_a_pool_share_its_gradient(tied, monkeypatch):
 )
 def test_sizes_that_leave_no_even_map_are_refused(wrong):
     with pytest.raises(ValueError, match="kernels"):
-        FactoredCNN(NetworkSettings(**wrong))
+        FactoredCNN(literal.Sizes(**wrong))
 
 
 @given(seeds, st.floats(0.1, 5.0))

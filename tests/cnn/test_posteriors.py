@@ -12,8 +12,8 @@ from repro.cnn.plain import Flow, PlainNetwork, PlainSettings, load_posterior, s
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
-SIGNALS = SignalSettings(h=0.02, samples=30)
-SAMPLED = sample_motion(identification_trajectory(SIGNALS.duration, SIGNALS.h), SIGNALS)
+SIGNALS = SignalSettings(sampling_period_s=0.02, image_samples=30)
+SAMPLED = sample_motion(identification_trajectory(SIGNALS.duration_s, SIGNALS.sampling_period_s), SIGNALS)
 DATA = DataSettings()
 WIDTH = 48
 
@@ -91,7 +91,7 @@ def test_the_first_step_of_a_weight_is_the_learning_rate():
 def test_weights_come_back_from_disk(tmp_path, flow):
     """Also the range of the splines, which is no weight."""
     save_posterior(tmp_path / "flow.safetensors", flow)
-    again = load_posterior(tmp_path / "flow.safetensors", Flow(SIGNALS.samples, WIDTH, np.zeros(9), np.eye(9)))
+    again = load_posterior(tmp_path / "flow.safetensors", Flow(SIGNALS.image_samples, WIDTH, np.zeros(9), np.eye(9)))
     normal = np.random.default_rng(1).standard_normal((4, 9))
     for torque in drawn(2, 3)[0]:
         np.testing.assert_array_equal(again.sample(torque, normal), flow.sample(torque, normal))

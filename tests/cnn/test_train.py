@@ -23,8 +23,8 @@ from repro.signals.trajectories import identification_trajectory
 
 pytestmark = pytest.mark.slow
 
-SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
-MOTION = sample_motion(identification_trajectory(SIGNALS.duration, SIGNALS.h), SIGNALS)
+SIGNALS = SignalSettings(sampling_period_s=0.02, image_samples=literal.SMALL.image_size)
+MOTION = sample_motion(identification_trajectory(SIGNALS.duration_s, SIGNALS.sampling_period_s), SIGNALS)
 DATA = DataSettings()
 
 # Checkpoints (20, 40) fall between rows of the history (15, 30, 45, 60); progress is reported at 50 and 60.

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from cli_with_fake_board import DESIRED, FRAMES, load_config, stub
+from experiment_example import full_config
 from fake_board import PlayedBoard, metadata, served
 
 from repro.cli import main
@@ -26,7 +27,7 @@ SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
 @pytest.fixture(autouse=True)
 def experiment(monkeypatch):
     monkeypatch.setitem(sys.modules, "repro.pipeline.experiment", stub())
-    monkeypatch.setattr("repro.config.load_config", load_config)
+    monkeypatch.setattr("repro.config.check.load_config", load_config)
 
 
 @pytest.fixture
@@ -110,7 +111,7 @@ def test_a_table_that_is_no_motion_is_refused(tmp_path, text, expected):
     path = tmp_path / "wave.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=rf"\A.*{expected}.*\Z"):
-        program_of({"board": {"speed_limit_rad_s": 8.0}}, str(path))
+        program_of(full_config(), str(path))
 
 
 def test_decode_summarises_and_writes_a_table(stored, capsys):

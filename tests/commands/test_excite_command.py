@@ -12,7 +12,7 @@ from pytest import approx
 from repro.cli import main
 from repro.commands.boards import program_of
 from repro.commands.excite import read_guess
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.identification.exciting_motion import Envelope, published
 from repro.logs.armfile import read_arm
 from repro.logs.load import read_log

@@ -7,12 +7,13 @@ import pandas as pd
 import pytest
 import torch
 from exhibit_examples import EXHIBITS, RECIPES, laid_out
-from experiment_example import ROOT, full_config
+from experiment_example import ROOT, changed, full_config
 from factorial_example import factorial_references, factorial_scores
 from kept import same
 
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.network import FactoredCNN
+from repro.config.sections import job_configuration, stated
 from repro.exhibits import catalogue, network_training, style
 from repro.exhibits.arm_experiment import stability_table
 from repro.exhibits.declare import make_exhibit
@@ -20,8 +21,7 @@ from repro.files import write_csv
 from repro.pipeline.experiment import true_parameters
 from repro.signals.programs import PROGRAMS
 
-CONFIG = full_config()
-CONFIG["network"]["hidden"] = [4, 3]
+CONFIG = changed(full_config(), network={"hidden": (4, 3)})
 
 
 def test_every_table_and_figure_of_the_paper_is_there_once_in_its_order():
@@ -65,7 +65,7 @@ def optional(tmp_path_factory):
 )  # fmt: skip
 def test_optional_exhibits_are_computed_and_drawn(optional, tmp_path, file_regression, kind, name, rows):
     exhibit = EXHIBITS[kind, name]
-    frame = exhibit.numbers(optional[name], {section: CONFIG[section] for section in exhibit.sections})
+    frame = exhibit.numbers(optional[name], job_configuration(stated(CONFIG, *exhibit.sections), 1))
     assert len(frame) == rows
     if name == "paper_recipe" and kind == "table":
         assert frame["total"].tolist() == [0.2] * 54  # the median seed on the identification trajectory

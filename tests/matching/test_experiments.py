@@ -51,7 +51,7 @@ def test_an_experiment_has_the_kept_numbers_and_is_not_ruled_out(values):
 
 def test_the_starts_contain_the_accepted_experiments():
     starts = pd.read_csv(FOLDER / "starts.csv")
-    assert len(starts) == sum(CONFIG["matching"]["starts"])
+    assert len(starts) == sum(CONFIG.matching.starts)
     accepted = starts[starts["accepted"]].sort_values("misfit", kind="stable")
     assert np.allclose(accepted[list(NAMES)], pd.DataFrame(EXPERIMENTS)[list(NAMES)], rtol=0, atol=0)
 

@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from claims_example import CONFIG, SEEDS, write_results
-from experiment_example import refused
+from experiment_example import changed, refused
 from hypothesis import given
 from hypothesis import strategies as st
 
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.paper import claims as claims_module
 from repro.paper.audit import findings
 from repro.paper.claims import Basis, OurValue, broken, causes, higher, judge, judge_all, lower, specificity
@@ -175,13 +175,13 @@ def test_what_is_asserted_follows_the_rule(claims):
 
 def test_another_setting_breaks_its_claim(stored):
     changes = {
-        "section6/numeric/threshold": ("algorithm1", "threshold_numeric", 0.93),
+        "section6/numeric/threshold": ("algorithm1", "threshold", 0.93),
         "table08/cf/joint1": ("signals", "filter_coefficient", 2e-4),
         "table08/kp/joint1": ("board", "kp_nm_per_rad", [180.4818, 30.6819]),
-        "section6/T1/range-high": ("experiment", "t1", {**SETTINGS["experiment"]["t1"], "range_rad": 1.3}),
+        "section6/T1/range-high": ("experiment", "t1", {"range_rad": 1.3}),
     }
-    changed = {section: {**SETTINGS[section], key: value} for section, key, value in changes.values()}
-    assert changes.keys() <= set(broken(ledger(Results(stored), {**SETTINGS, **changed}).reset_index())["id"])
+    config = changed(SETTINGS, **{section: {key: value} for section, key, value in changes.values()})
+    assert changes.keys() <= set(broken(ledger(Results(stored), config).reset_index())["id"])
 
 
 def test_what_the_audit_contradicts_says_so_with_its_arithmetic(claims):
@@ -218,7 +218,7 @@ def altered(stored):
     alter(results, "validation/experiment.csv", "total", [0.1, 0.4, 0.7], case="T4", joint=1, **listed)
     alter(results, "validation/numeric.csv", "seed", 1, case=["N1", "N3"])  # no scatter, so no interval
     for table, case, factor in (("table04", "N1", 1.05), ("table05", "N3", 0.8)):
-        estimate = factor * SETTINGS["numeric"]["arms"][case][0]
+        estimate = factor * getattr(SETTINGS.numeric.arms, case)[0]
         alter(results, f"tables/{table}.csv", "estimate", estimate, case=case, parameter="I1")
     alter(results, "tables/table09.csv", "estimate", 0.61, method="algorithm1", parameter="I3")
     alter(results, "tables/table09.csv", "estimate", 1.6, method="least-squares", parameter="I2")

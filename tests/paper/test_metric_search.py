@@ -138,9 +138,9 @@ def test_the_band_number_motion_counts_omega_in_bands():
 
 def test_the_chosen_motion_is_that_of_the_configuration():
     config = full_config()
-    numeric, signals = config["numeric"], config["signals"]
-    assert signals["sampling_period_s"] == SAMPLING_PERIOD
-    assert band_number_motion(numeric["validation_samples"], signals["filter_coefficient"]) == CHOSEN_MOTION
+    numeric, signals = config.numeric, config.signals
+    assert signals.sampling_period_s == SAMPLING_PERIOD
+    assert band_number_motion(numeric.validation_samples, signals.filter_coefficient) == CHOSEN_MOTION
     assert CHOSEN_MOTION in MOTIONS
 
 

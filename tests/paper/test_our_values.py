@@ -5,11 +5,13 @@ import math
 from dataclasses import replace
 
 import pytest
+from experiment_example import changed, full_config
 
 from repro.paper.our_values import RESULT_SOURCES, training_note, values_of
 from repro.paper.published import Published, evaluate, load_published
 
-CONFIG = {"training": {"recipe": "streamed", "paper": {"images": 40}}, "arm": {"lengths": [0.2, 0.1], "a-b": {"c": 7}}}
+NAMES = {"arm": {"lengths": [0.2, 0.1], "a-b": {"c": 7}}}
+CONFIG = changed(full_config(), training={"paper": {"images": 40}}, arm={"link_lengths_m": (0.2, 0.1)})
 NUMBER = load_published()["section3/joints"]
 
 
@@ -30,14 +32,14 @@ def value_of(ours, note=""):
     ],
 )
 def test_expressions_are_arithmetic_on_names(expression, value):
-    assert evaluate(expression, CONFIG) == value
+    assert evaluate(expression, NAMES) == value
 
 
 @pytest.mark.parametrize(
     ("ours", "note", "value", "shown"),
     [
-        ("config:arm.lengths[0]", "more", 0.2, "config/config.yaml: arm.lengths, more"),
-        ("config:len(arm['a-b'])", "", 1.0, "config/config.yaml: arm.a-b"),
+        ("config:arm.link_lengths_m[0]", "more", 0.2, "config/config.yaml: arm.link_lengths_m, more"),
+        ("config:len(networks['paper-recipe'])", "", 2.0, "config/config.yaml: networks.paper-recipe"),
         ("schedule:training.paper.images", "paper's", 40.0, "config/config.yaml: training.paper.images, paper's"),
         ("const:fpga.frames:PWM_LIMIT", "counts", 1023.0, "counts; repro.fpga.frames"),
         ("arithmetic:audit['check']/2", "{audit['check']:.3f} / {printed['section3/joints']}", 1.25, "2.500 / 2"),
@@ -53,7 +55,7 @@ def test_each_source_has_its_value_and_note(ours, note, value, shown):
 @pytest.mark.parametrize(
     "ours",
     [
-        "config:arm.nothing", "config:arm.lengths[9]", "const:no.module:X", "const:fpga.frames:__name__",
+        "config:arm.nothing", "config:arm.link_lengths_m[9]", "const:no.module:X", "const:fpga.frames:__name__",
         "const:fpga.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +"
     ]
 )  # fmt: skip
@@ -82,4 +84,4 @@ def test_every_number_of_the_papers_own_has_a_source_that_exists():
     ],
 )
 def test_a_note_says_what_of_the_training_is_ours(prior, recipe, note):
-    assert training_note({"data": {"prior": prior}, "training": {"recipe": recipe}}) == note
+    assert training_note(changed(CONFIG, data={"prior": prior}, training={"recipe": recipe})) == note

@@ -14,7 +14,8 @@ from claims_example import make_project
 from experiment_example import refused
 
 from repro.cli import main
-from repro.config import load_config
+from repro.config.check import load_config, read_config
+from repro.config.sections import changed
 from repro.files import write_json
 from repro.paper import ledger
 from repro.paper.ledger import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
@@ -104,7 +105,7 @@ def test_each_changed_text_and_cell_of_the_ledger_is_named(project, capsys):
 
 
 def test_page_and_settings_that_are_kept_with_results_are_checked_under_a_new_seal(project, capsys):
-    commit, config = committed(project), load_config(project / "config/config.yaml")
+    commit, config = committed(project), read_config(project / "config/config.yaml")
     kept = {"commit": commit, "config_sha256": config_digest(config)}
     write_json("results/factorial.json", kept)
     assert changed_settings(Path("results"), config, project) == []
@@ -130,14 +131,14 @@ def test_rows_that_are_removed_added_or_moved_are_named(made):
     claims = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False)
     assert ledger.compare(text, claims, CLAIMS) == []
     lines = text.splitlines(keepends=True)
-    for changed, named in (
+    for other, named in (
         (lines[:5] + lines[6:], f"{lines[5].split(',')[0]}: found no row"),
         ([*lines, lines[5].replace(lines[5].split(",")[0], "table99/x")], "table99/x: found a row"),
         ([*lines[:5], lines[6], lines[5], *lines[7:]], "found rows in another order"),
         ([*lines, lines[5]], "found rows in another order or twice"),
         (["id,place\n"], "header: found id,place"),
     ):
-        (problem,) = ledger.compare("".join(changed), claims, CLAIMS)
+        (problem,) = ledger.compare("".join(other), claims, CLAIMS)
         assert problem.startswith(f"{CLAIMS}: {named}")
 
 
@@ -183,8 +184,8 @@ def test_a_claim_that_fails_under_an_overlay_ends_a_run_only_if_enforced(project
     config = load_config(Path("config/config.yaml"), overlay)
     sources = ["data/captures/SHA256SUMS", "other/model/training.csv", "other/tables/table10.csv"]
     for source, read in (("simulated", []), ("stored", ["data/captures"])):
-        experiment = {**config["experiment"], "source": source}
-        write_ledger(Path("other"), {**config, "experiment": experiment}, [Path(name) for name in sources])
+        own = changed(config, {"experiment": {"source": source}})
+        write_ledger(Path("other"), own, [Path(name) for name in sources])
         folders, listed = read_sources(Path("other/claims.sha256"))
         assert folders == read
     captures = [f"data/captures/{name}" for name in ("ID.bin", "ID.json")]
@@ -201,10 +202,10 @@ def test_a_claim_that_fails_under_an_overlay_ends_a_run_only_if_enforced(project
     code, out, _ = verify(capsys, "--config", "config/config.yaml", "config/mine.yaml")
     assert code == 1 and "disagrees" not in out
     assert out.count("not as asserted") == 1 and "not as asserted: table08/kp/joint2" in out
-    assert config["claims"]["enforce"]
+    assert config.claims.enforce
     assert "1 claims that fail" in refused(ledger.verified, Path("other"), config)
     assert "not as asserted: table08/kp/joint2" in capsys.readouterr().err
-    lenient = {**config, "claims": {"enforce": False}}
+    lenient = changed(config, {"claims": {"enforce": False}})
     assert "not as asserted: table08/kp/joint2" in ledger.verified(Path("other"), lenient)
     found[1].append("results/tables/table09.csv: found another text")
     assert "1 disagreements" in refused(ledger.verified, Path("other"), lenient)

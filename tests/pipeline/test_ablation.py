@@ -8,7 +8,8 @@ import pytest
 from experiment_example import CAPTURES, MOTIONS, changed, full_config
 
 from repro.cnn.architecture import HISTORY_COLUMNS
-from repro.config import check_config
+from repro.config.check import check_config
+from repro.config.sections import of_network, plain
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.pipeline import interpretations
@@ -16,7 +17,6 @@ from repro.pipeline.experiment import read_recordings, true_parameters
 from repro.pipeline.interpretations import HEADLINES, VARIANTS, configuration_of, network_files
 from repro.pipeline.networks import run_variant, train_variant
 from repro.pipeline.stored_networks import configuration_digest
-from repro.settings import of_network, signal_settings
 from repro.signals.metric import metr2ev
 
 CONFIG = full_config()
@@ -36,13 +36,13 @@ TINY = changed(
 def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
     reading = VARIANTS[name]
     found, own = configuration_of(CONFIG, reading), of_network(CONFIG, reading.network)
-    check_config({**found, "refinement": CONFIG["refinement"]})  # as it is run
+    check_config(plain(found.model_copy(update={"refinement": CONFIG.refinement})))  # as it is run
     assert changed(found, **reading.change) == found
-    before = {section: {key: own[section][key] for key in named} for section, named in reading.change.items()}
+    before = {name: {key: getattr(getattr(own, name), key) for key in named} for name, named in reading.change.items()}
     for section, values in before.items():
-        assert all(found[section][key] != value for key, value in values.items())
-    assert found["training"]["steps"] == reading.longer * own["training"]["steps"]
-    assert changed(changed(found, **before), training={"steps": own["training"]["steps"]}) == own
+        assert all(getattr(getattr(found, section), key) != value for key, value in values.items())
+    assert found.training.steps == reading.longer * own.training.steps
+    assert changed(changed(found, **before), training={"steps": own.training.steps}) == own
 
 
 @pytest.mark.parametrize("name", [name for name in VARIANTS if network_files(name)[0].startswith("model/")])
@@ -65,7 +65,7 @@ def test_a_reading_is_trained_and_scored(name, tmp_path):
     result = run_variant(name, weights, captures, TINY)
     assert all(0 <= result[key] <= 1 for key in (*HEADLINES, "id_lowest"))
     # The true parameters on T1 to T4 of the stored captures, whatever the network.
-    regressions = [one.regression(signal_settings(CONFIG)) for one in read_recordings(captures, CONFIG)[1:]]
+    regressions = [one.regression(CONFIG.signals) for one in read_recordings(captures, CONFIG)[1:]]
     totals = [metr2ev(r.tau, rebuild_torque(r.y, true_parameters(CONFIG))).total for r in regressions]
     assert result["arm_true"] == pytest.approx(np.mean(totals))
     without = run_variant(name, weights, captures[:4], TINY)  # T2 to T4

@@ -10,6 +10,7 @@ from experiment_example import changed, short_config
 
 from repro.cnn.network import load_network
 from repro.cnn.plain import PlainNetwork, load_posterior, read_torque
+from repro.config.sections import data_settings, search_settings
 from repro.files import write_csv
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
 from repro.identification.regression import solve
@@ -19,7 +20,6 @@ from repro.pipeline.factorial import CELLS, COLUMNS, configured, score_reference
 from repro.pipeline.identifications import mean_torque, mean_training_torque, prepare_recording
 from repro.pipeline.networks import score_cell, search_under, train_cell
 from repro.pipeline.stored_networks import configuration_digest
-from repro.settings import data_settings, network_settings, search_settings, signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
 from repro.streams import Stream, stream
 
@@ -38,13 +38,12 @@ def test_every_combination_of_the_factors_has_its_network():
 
 @pytest.mark.parametrize("name", CELLS)
 def test_a_network_differs_from_the_configuration_by_its_levels_alone(name):
-    expected, cell = short_config(), CELLS[name]
-    expected["data"]["motions"] = cell.motions
-    expected["training"]["seed"] = 7
+    cell = CELLS[name]
+    expected = changed(short_config(), data={"motions": cell.motions}, training={"seed": 7})
     if len(cell.image_motions) == 1:
-        expected["algorithm1"]["image_motion"] = cell.image_motions[0]
+        expected = changed(expected, algorithm1={"image_motion": cell.image_motions[0]})
     if cell.reader == "plain":
-        expected["data"]["unmodelled"]["noise"] = 0.03
+        expected = changed(expected, data={"unmodelled": {"noise": 0.03}})
     assert configured(short_config(), cell, 7) == expected
 
 
@@ -97,8 +96,8 @@ class Reader:
 @pytest.mark.parametrize("scale", [0.03, 0.15])
 @pytest.mark.parametrize("threshold", [0.0, 0.6, 0.9])
 def test_one_reading_gives_what_the_search_gives_under_each_metric(blocks, threshold, scale, feasibility):
-    settings = SearchSettings(9, 6, threshold, low=1e-3, high=1.0, feasibility=feasibility)
-    prepared = prepare_recording(blocks[1].recordings[0], None, signal_settings(CONFIG))
+    settings = SearchSettings(9, 6, threshold, guess_low=1e-3, guess_high=1.0, feasibility=feasibility)
+    prepared = prepare_recording(blocks[1].recordings[0], None, CONFIG.signals)
     reader = Reader(blocks[1], prepared, scale)
     found, first = search_under(reader, prepared, settings, np.random.default_rng(5))
     assert set(found) == set(TIME_FORMULAS)
@@ -108,7 +107,8 @@ def test_one_reading_gives_what_the_search_gives_under_each_metric(blocks, thres
         np.testing.assert_allclose(beta, select(candidates.beta, prepared, own).beta, rtol=1e-12, atol=1e-12)
         ended = np.sum(candidates.similarity >= threshold)
         assert met == (ended if threshold else 9)  # an estimate that is not possible has the similarity 0
-    guesses = np.stack([s.uniform(settings.low, settings.high, 9) for s in np.random.default_rng(5).spawn(9)])
+    low, high = settings.guess_low, settings.guess_high
+    guesses = np.stack([s.uniform(low, high, 9) for s in np.random.default_rng(5).spawn(9)])
     np.testing.assert_allclose(first, reader.estimate(guesses), rtol=1e-12)
 
 
@@ -119,7 +119,7 @@ def similarities(block, beta, formula, config):
     """Mean total of both joints on ID, and over T1 to T4, by metr2ev on the rebuilt torques."""
     totals = []
     for recording in block.recordings:
-        r = recording.regression(signal_settings(config))
+        r = recording.regression(config.signals)
         totals.append(metr2ev(r.tau, rebuild_torque(r.y, beta), MetricSettings(formula)).total.mean())
     return totals[0], np.mean(totals[1:])
 
@@ -130,7 +130,7 @@ def test_references_are_scored_on_every_block_under_both_metrics(recorded, block
     assert table.query("reader == 'bounded'")["id"].between(0.001, 1).all()
     table = table.set_index(["reader", "metric", "experiment"])
     assert table.index.is_unique
-    regression = blocks[0].recordings[0].regression(signal_settings(CONFIG))
+    regression = blocks[0].recordings[0].regression(CONFIG.signals)
     own = solve(regression.y, regression.tau)
     for (reader, beta), formula in itertools.product((("true", blocks[0].true), ("ordinary", own)), TIME_FORMULAS):
         row = table.loc[(reader, formula, BLOCKS[0])]
@@ -152,17 +152,17 @@ def test_a_network_is_scored_on_every_block(name, recorded, blocks, tmp_path):
     table = table.set_index(["experiment", "metric", "image_motion"])
     assert table.index.is_unique
     c = configured(CONFIG, cell, 1)
-    signals = signal_settings(c)
+    signals = c.signals
     tau_mean = mean_training_torque(signals, data_settings(c), 1)
-    settings = replace(search_settings(c), threshold=CONFIG["experiment"]["threshold"], inner_limit=3)
+    settings = replace(search_settings(c), threshold=CONFIG.experiment.threshold, inner_limit=3)
     for k, motion, formula in itertools.product((0, 1), cell.image_motions or ("",), TIME_FORMULAS):
         prepared = prepare_recording(blocks[k].recordings[0], tau_mean, signals, motion or "measured")
         if cell.reader == "plain":
-            network = load_posterior(weights, PlainNetwork(signals.samples, CONFIG["factorial"]["plain"]["width"]))
+            network = load_posterior(weights, PlainNetwork(signals.image_samples, CONFIG.factorial.plain.width))
             first = read_torque(network, prepared.alpha)[0]
             estimate, met = prepared.torque_scale * first, 0
         else:
-            network = load_network(weights, network_settings(c), configuration_digest(c), "float32")
+            network = load_network(weights, c.network, configuration_digest(c), "float32")
             reader = ResidualEstimator(network, data_settings(c).image, prepared)
             found, first = search_under(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, BLOCKS[k]))
             estimate, met = found[formula]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 from accepted_example import write_accepted
-from experiment_example import full_config
+from experiment_example import changed, full_config
 
 from repro.cnn.network import FactoredCNN, save_network
 from repro.identification.algorithm1.search import SearchSettings, search_in_turn, select
@@ -14,7 +14,6 @@ from repro.pipeline.accepted import read_accepted
 from repro.pipeline.experiment import program_from_config
 from repro.pipeline.guesses import search_accepted
 from repro.pipeline.identifications import prepare_recording
-from repro.settings import network_settings, signal_settings
 from repro.signals.metric import metr2ev
 from repro.signals.programs import PROGRAMS
 
@@ -42,7 +41,7 @@ class Near:
 @pytest.fixture(scope="module")
 def prepared(accepted):
     experiment = read_accepted(*accepted, CONFIG)[1]
-    return experiment, prepare_recording(experiment.recordings[0], None, signal_settings(experiment.config))
+    return experiment, prepare_recording(experiment.recordings[0], None, experiment.config.signals)
 
 
 def test_recordings_are_of_their_own_motions(prepared):
@@ -83,10 +82,10 @@ def test_scores_of_an_experiment(accepted, prepared, tmp_path):
     experiment, _ = prepared
     torch.manual_seed(3)
     budgets = {"guesses": [20, 60], "further_guesses": [90], "seeds": [2, 5], "detailed_experiments": 2}
-    config = {**CONFIG, "accepted": {**CONFIG["accepted"], **budgets}}
+    config = changed(CONFIG, accepted=budgets)
     weights = [tmp_path / name for name in ("ideal.safetensors", "tracked.safetensors")]
     for path in weights:
-        save_network(path, FactoredCNN(network_settings(config)), {"made": "by hand"})
+        save_network(path, FactoredCNN(config.network), {"made": "by hand"})
     table = search_accepted(4, *accepted, weights, config)
     assert set(table["experiment"]) == {4}
     assert table.groupby("method").size().to_dict() == {
@@ -94,12 +93,12 @@ def test_scores_of_an_experiment(accepted, prepared, tmp_path):
         "algorithm1+desired": 40, "algorithm1+tracked-measured": 40,
         "least-squares": 10, "bounded": 10, "consistent": 10, "true": 10,
     }  # fmt: skip
-    config["accepted"]["detailed_experiments"] = 1  # it is the second
-    fewer = search_accepted(4, *accepted, weights[:1], config)
+    second = changed(config, accepted={"detailed_experiments": 1})
+    fewer = search_accepted(4, *accepted, weights[:1], second)
     assert fewer.groupby("method").size()["algorithm1"] == 20
     assert set(fewer["seed"]) == {0, 2}
     assert not [method for method in fewer["method"] if "+" in method]
     true = table[(table["method"] == "true") & (table["case"] == "T3")].sort_values("joint")
-    r = experiment.recordings[PROGRAMS.index("T3")].regression(signal_settings(experiment.config))
+    r = experiment.recordings[PROGRAMS.index("T3")].regression(experiment.config.signals)
     expected = metr2ev(r.tau, r.y @ experiment.true)
     assert true["total"].to_numpy() == pytest.approx(expected.total, abs=1e-9)

@@ -9,6 +9,7 @@ from experiment_example import changed, full_config
 from safetensors.numpy import load_file
 
 from repro.cnn.image import ImageSettings
+from repro.config.sections import data_settings, of_network, search_settings
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.refinement import Algorithm1
 from repro.identification.regression import solve
@@ -19,7 +20,6 @@ from repro.pipeline.coverage import distances, novelty_limit
 from repro.pipeline.experiment import acquire, program_from_config, read_recording, true_parameters
 from repro.pipeline.identifications import mean_training_torque
 from repro.pipeline.simulated_arms import sampled_tracks, simulate_tracked, training_motion
-from repro.settings import data_settings, of_network, refinement_settings, search_settings, signal_settings
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +30,7 @@ CONFIG = changed(
     data={"tracked": {"arms": 64}},
     coverage={"arms": 40, "guesses": 20, "levels": [0.5, 0.9], "seed": 3},
 )
-SIGNALS = signal_settings(CONFIG)
+SIGNALS = CONFIG.signals
 
 
 class Reader:
@@ -71,7 +71,7 @@ def recorded(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def tables(motions, recorded):
-    algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(CONFIG), refinement_settings(CONFIG))
+    algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(CONFIG), CONFIG.refinement)
     tau_mean = mean_training_torque(SIGNALS, data_settings(CONFIG), 1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stage, "ResidualEstimator", Reader)

@@ -9,10 +9,10 @@ import pytest
 import torch
 from experiment_example import ROOT, changed, full_config, refused
 
+from repro.config.sections import of_network
 from repro.pipeline import networks
 from repro.pipeline.networks import algorithm1_of
 from repro.pipeline.stored_networks import check_stored, configuration_digest, model_card, stored_files, take_stored
-from repro.settings import of_network
 
 NETWORKS = ROOT / "data" / "networks"
 CONFIG = changed(full_config(), training={"networks": str(NETWORKS)})
@@ -20,8 +20,8 @@ CONFIG = changed(full_config(), training={"networks": str(NETWORKS)})
 
 def taken(folder, network="published", config=CONFIG):
     suffix = "" if network == "published" else f"-{network}"
-    stored, out = (stored_files(place, suffix) for place in (config["training"]["networks"], folder))
-    take_stored(suffix, out, of_network(config, network))
+    stored, out = (stored_files(place, suffix) for place in (config.training.networks, folder))
+    take_stored(suffix, out, config.training.networks, digest(config, network))
     return stored, out
 
 
@@ -75,7 +75,7 @@ def test_what_does_not_decide_a_network_does_not_refuse_it():
     assert digest(same, "published") == digest(CONFIG, "published")
     divided = changed(CONFIG, image={"scale": "constant", "constant": 5.0})
     assert digest(divided, "tracked") != digest(CONFIG, "tracked")
-    paper = changed(CONFIG, training={"paper": {**CONFIG["training"]["paper"], "images": 500}})
+    paper = changed(CONFIG, training={"paper": {"images": 500}})
     assert digest(paper, "published") == digest(CONFIG, "published")
     assert digest(paper, "paper-recipe") != digest(CONFIG, "paper-recipe")
 

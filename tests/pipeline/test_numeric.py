@@ -3,7 +3,7 @@
 import literal
 import numpy as np
 import torch
-from experiment_example import full_config
+from experiment_example import changed, full_config
 
 from repro.cnn import reader
 from repro.cnn.dataset import DataSettings
@@ -11,14 +11,13 @@ from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.refinement import Algorithm1, RefinementSettings
 from repro.identification.algorithm1.search import SearchSettings
 from repro.pipeline.identifications import identify_arms, least_squares_of_arms, mean_training_torque
-from repro.settings import signal_settings
 from repro.signals.dct import image_regressor
 from repro.signals.trajectories import identification_trajectory
 
 ARMS = {name: literal.ARMS[name] for name in ("N1", "N4")}
-CONFIG = full_config()
-CONFIG["numeric"] |= {"arms": {name: beta.tolist() for name, beta in ARMS.items()}, "validation_samples": 3770}
-SIGNALS = signal_settings(CONFIG)
+CONFIG = changed(full_config(), numeric={"validation_samples": 3770})
+CONFIG = CONFIG.model_copy(update={"numeric": CONFIG.numeric.model_copy(update={"arms": ARMS.items()})})
+SIGNALS = CONFIG.signals
 AWARE = ImageSettings("constant", 4.0)
 
 
@@ -55,7 +54,7 @@ def test_the_mean_torque_is_that_of_the_seed_s_arms():
 def test_a_perfect_network_finds_every_arm(monkeypatch):
     """It uses the model of the exact trajectory, so the filter's error remains."""
     monkeypatch.setattr(reader, "Reader", lambda network, v: lambda u: network(u, v[None]))
-    motion = identification_trajectory(SIGNALS.duration, SIGNALS.h)
+    motion = identification_trajectory(SIGNALS.duration_s, SIGNALS.sampling_period_s)
     network = PerfectNetwork(image_regressor(motion.q, motion.dq, motion.ddq, SIGNALS), AWARE.constant)
     found = identify(network)
     for name, beta in ARMS.items():

@@ -7,6 +7,7 @@ import pytest
 from experiment_example import ROOT, changed, full_config, refused
 from safetensors.numpy import load_file
 
+from repro.config.sections import of_network
 from repro.errors import InputError
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.model.parameters import NAMES, is_positive_definite
@@ -14,7 +15,6 @@ from repro.pipeline import simulated_arms
 from repro.pipeline.accepted import read_experiments
 from repro.pipeline.experiment import program_from_config, true_parameters
 from repro.pipeline.simulated_arms import simulate_tracked, training_motion
-from repro.settings import of_network
 
 pytestmark = pytest.mark.slow
 
@@ -35,7 +35,7 @@ def motions(tmp_path_factory):
 
 
 def test_arms_of_both_laws_are_physical_and_the_motors_carry_them(monkeypatch):
-    full = np.array(CONFIG["board"]["full_torque_nm"])
+    full = np.array(CONFIG.board.full_torque_nm)
     correlation = []
     for draw in (simulated_arms.draw_arms, simulated_arms.draw_built_arms):
         beta = draw(np.random.default_rng(0), 500, CONFIG)
@@ -54,7 +54,7 @@ def test_arms_of_both_laws_are_physical_and_the_motors_carry_them(monkeypatch):
 def test_an_arm_tracks_if_it_is_near_in_the_trajectory_proper():
     program = program_from_config(CONFIG, "ID")
     counts = np.rint(np.tile(program.q, (3, 1, 1)) / RADIANS_PER_COUNT)
-    far = int(2.0 * CONFIG["data"]["tracked"]["largest_error_rad"] / RADIANS_PER_COUNT)
+    far = int(2.0 * CONFIG.data.tracked.largest_error_rad / RADIANS_PER_COUNT)
     counts[0, 0, : program.n1] += far
     counts[1, 1, program.n2 - 1] -= far
     assert simulated_arms.tracks(CONFIG, counts.astype(np.int16), program).tolist() == [True, False, True]
@@ -69,7 +69,7 @@ def test_a_motion_is_within_the_limits_of_both_joints():
 
 def test_no_arm_that_trains_is_one_that_is_tested(motions):
     accepted = read_experiments(ROOT / "data/experiments/accepted.csv")[list(NAMES)].to_numpy()
-    tested, trained = [*accepted, *CONFIG["numeric"]["arms"].values()], load_file(motions)["parameters"]
+    tested, trained = [*accepted, *dict(CONFIG.numeric.arms).values()], load_file(motions)["parameters"]
     assert len(np.unique(trained, axis=0)) == 6
     assert np.abs(trained[:, np.newaxis] / tested - 1).max(-1).min() > 0.05
 

@@ -9,21 +9,19 @@ from experiment_example import full_config, refused
 
 from repro.files import write_csv, write_json
 from repro.pipeline import identifications
-from repro.settings import metric_settings, numeric_arms, signal_settings
 
 CONFIG = full_config()
-SIGNALS, ARMS = signal_settings(CONFIG), numeric_arms(CONFIG)
+SIGNALS, ARMS = CONFIG.signals, dict(CONFIG.numeric.arms)
 
 
 @pytest.fixture(scope="module")
 def original(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stages")
     write_csv(folder / "mean_torque.csv", identifications.mean_torque(CONFIG))
-    betas = {name: beta.tolist() for name, beta in ARMS.items()}
-    arms = {name: {"true": beta, "methods": {"algorithm1": {"beta": beta}}} for name, beta in betas.items()}
+    arms = {name: {"true": beta, "methods": {"algorithm1": {"beta": beta}}} for name, beta in ARMS.items()}
     run = {"seed": 1, "variant": "published", "arms": arms}
     write_json(folder / "numeric-seed1.json", run)
-    write_csv(folder / "numeric.csv", identifications.score_estimates([run], CONFIG, metric_settings(CONFIG)))
+    write_csv(folder / "numeric.csv", identifications.score_estimates([run], CONFIG, CONFIG.metric))
     return folder
 
 

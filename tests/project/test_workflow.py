@@ -17,6 +17,7 @@ from types import SimpleNamespace
 import pytest
 import yaml
 from claims_example import write_results
+from experiment_example import changed, full_config
 from kept import same
 from snakemake.api import ConfigSettings, DAGSettings, OutputSettings, ResourceSettings, SnakemakeApi
 from snakemake.cli import main
@@ -36,8 +37,8 @@ FIGURES = [exhibit.name for exhibit in catalogue.FIGURES if not exhibit.optional
 TABLES = ["audit", *(exhibit.name for exhibit in catalogue.TABLES if not exhibit.optional)]
 EXHIBITS = {exhibit.target: exhibit for exhibit in catalogue.EXHIBITS}
 DECLARED = {exhibit.definition: exhibit for exhibit in catalogue.EXHIBITS}
-CONFIG = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-SEEDS, SEARCH_SEEDS = CONFIG["numeric"]["seeds"], CONFIG["experiment"]["search_seeds"]
+CONFIG = full_config()
+SEEDS, SEARCH_SEEDS = CONFIG.numeric.seeds, CONFIG.experiment.search_seeds
 QUICK = ROOT / "config" / "quick.yaml"
 #: Networks of Tables 4 to 7, and those of the arm, by the suffix of their files.
 NETWORKS = ("", "-tracked")
@@ -301,7 +302,8 @@ def test_rules_are_those_kept(working, file_regression):
 
 def test_jobs_depend_on_the_source_of_captures_and_networks_if_they_use_it(rules, monkeypatch):
     assert "source" not in rules["train"].params.config(SimpleNamespace(suffix="-paper-recipe"))["training"]
-    monkeypatch.setitem(vars(import_module("snakemake.workflow"))["config"]["experiment"], "source", "rtl")
+    with_logic = changed(CONFIG, experiment={"source": "rtl"})
+    monkeypatch.setitem(vars(import_module("snakemake.workflow")), "SETTINGS", with_logic)
     assert f"{ROOT}/rtl/pwm_gen.py" in of_a_job(rules["acquire"], rules["acquire"].input[0])
     assert of_a_job(rules["report"], rules["report"].input.captures) == []
 
@@ -311,7 +313,7 @@ def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(worki
         digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)
         assert len(re.findall(r"repro[\w.]+:\S* [0-9a-f]{12}\b", digests)) > 5, rule.name
         config = of_a_job(rule, rule.params.get("config", {}))
-        assert set(config) <= set(CONFIG), rule.name
+        assert set(config) <= set(type(CONFIG).model_fields), rule.name
         if rule.name != "report":  # one more seed changes nothing for jobs that work on one motion or one arm
             assert "seeds" not in config.get("numeric", {}), rule.name
             assert "search_seeds" not in {**config.get("experiment", {}), **config.get("factorial", {})}, rule.name

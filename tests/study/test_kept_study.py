@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.exhibits import study_results
 from repro.exhibits.declare import Exhibit
 from repro.study.design import FACTORS, jobs
@@ -27,4 +27,4 @@ def test_numbers_of_each_exhibit_follow_from_the_outcomes(exhibit):
 def test_each_condition_has_its_arms_and_methods():
     for cells, path in zip(jobs(CONFIG).values(), OUTCOMES, strict=True):
         found = pd.read_csv(path).groupby(list(FACTORS))["arm"].nunique()
-        assert found.to_dict() == {tuple(vars(cell).values())[:4]: CONFIG["study"]["arms"] for cell in cells}
+        assert found.to_dict() == {tuple(vars(cell).values())[:4]: CONFIG.study.arms for cell in cells}

@@ -9,13 +9,12 @@ import pandas as pd
 import pytest
 from experiment_example import ROOT, changed, full_config, refused
 
-from repro.config import load_config
+from repro.config.check import load_config
 from repro.files import write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.model.dynamics import regressor
 from repro.pipeline.experiment import Recording, control_constants, true_parameters
 from repro.pipeline.simulated_arms import is_within_limits
-from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream
@@ -33,7 +32,7 @@ def test_searched_cells_are_a_fraction_balanced_over_pairs_of_factors():
         counts = table.groupby(list(pair))["searched"].sum()
         assert 0 < counts.max() <= counts.min() + 1  # every pair of levels occurs
     whole = load_config(ROOT / "config/config.yaml", ROOT / "config/study.yaml")
-    assert all(cell.searched for cell in cells(whole)) and "flow" in whole["study"]["networks"]
+    assert all(cell.searched for cell in cells(whole)) and "flow" in whole.study.networks
 
 
 @pytest.mark.parametrize("size", [1, 5, 12, 100])
@@ -49,7 +48,7 @@ def test_each_cell_is_in_one_job_and_a_job_has_one_excitation_and_prior(size):
 def test_excitations_have_their_length(excitation, seconds):
     program = excitation_program(CONFIG, excitation)
     assert (program.n2 - program.n1) * program.h == pytest.approx(seconds, abs=0.01)
-    assert program.n1 >= CONFIG["experiment"]["margin_samples"]
+    assert program.n1 >= CONFIG.experiment.margin_samples
     assert np.abs(np.diff(program.q[:, :2])).max() < 1e-4  # begins at rest
 
 
@@ -90,7 +89,7 @@ def test_what_is_observed_of_an_arm():
 
 def perfect_loop(config, beta, desired, *_, **__):
     """Counts of arms that follow their motions perfectly."""
-    q, h = np.broadcast_to(desired, (len(beta), *desired.shape[-2:])), config["signals"]["sampling_period_s"]
+    q, h = np.broadcast_to(desired, (len(beta), *desired.shape[-2:])), config.signals.sampling_period_s
     dq = np.gradient(q, h, axis=-1)
     tau = np.einsum("njtp,np->njt", regressor(q, dq, np.gradient(dq, h, axis=-1)), beta)
     return np.rint(q / RADIANS_PER_COUNT), tau / control_constants(config).torque_per_count[:, np.newaxis]
@@ -112,9 +111,9 @@ def test_an_arm_has_the_same_effects_whatever_motion_it_is_identified_by(tmp_pat
         assert one.labels == other.labels | {"excitation": "eq10"}
         for a, b in zip(one.recordings[1:], other.recordings[1:], strict=True):
             np.testing.assert_array_equal(a.tau, b.tau)
-        r = one.recordings[0].regression(signal_settings(CONFIG))
+        r = one.recordings[0].regression(CONFIG.signals)
         beta = np.linalg.lstsq(r.y.reshape(-1, 9), r.tau.reshape(-1))[0]
-        reached = TorqueScorer(r.tau, r.y, metric_settings(CONFIG))(beta).total.mean()
+        reached = TorqueScorer(r.tau, r.y, CONFIG.metric)(beta).total.mean()
         assert one.labels["least_squares"] == pytest.approx(reached)
         assert reached == pytest.approx(one.labels["discrepancy"], abs=0.005)
     assert [one.labels["arm"] for one in by["slow"]] == [0, 1, 2, 0, 1, 2]

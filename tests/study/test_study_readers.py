@@ -13,7 +13,6 @@ from repro.cnn.priors import ListedPrior
 from repro.files import read_tensors, write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
-from repro.settings import signal_settings
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
 from repro.study.arms import Specimen, draw_law, excitation_program
@@ -26,8 +25,8 @@ CONFIG, N = full_config(), 9
 def readers(tmp_path, *kept):
     training, weights = tmp_path / "training.safetensors", tmp_path / "posterior.safetensors"
     write_tensors(training, dict(zip(("error_covariance", "prior_mean", "prior_covariance"), kept, strict=True)))
-    save_posterior(weights, PlainNetwork(100, CONFIG["study"]["posterior"]["width"]))
-    return Readers(training, {"posterior": weights}, CONFIG, signal_settings(CONFIG))
+    save_posterior(weights, PlainNetwork(100, CONFIG.study.posterior.width))
+    return Readers(training, {"posterior": weights}, CONFIG, CONFIG.signals)
 
 
 def test_generalised_least_squares_is_what_statistics_says(tmp_path):
@@ -148,5 +147,5 @@ def test_a_claim_is_judged_in_the_unit_of_the_prior_with_random_numbers_of_its_o
         monkeypatch.setattr(f"repro.study.readers.{name}", Mock(return_value=value))
     run_job("eq10-narrow-0", None, None, [], CONFIG)
     *_, unit, rng = found.judge.call_args.args
-    assert unit == np.abs(dct2sub(recordings[0].regression(signal_settings(CONFIG)).tau, 100)).max()
+    assert unit == np.abs(dct2sub(recordings[0].regression(CONFIG.signals).tau, 100)).max()
     assert rng.random() == stream(1, Stream.STUDY_SEARCH, 1, 0).random()

@@ -18,7 +18,7 @@ rule match:
     input:
         starts=[
             f"{R}/matching/{hypothesis}-{start}.json"
-            for hypothesis, count in enumerate(config["matching"]["starts"])
+            for hypothesis, count in enumerate(SETTINGS.matching.starts)
             for start in range(count)
         ],
     output:
@@ -34,7 +34,7 @@ rule match:
         CALL
 
 
-EXPERIMENTS = config["accepted"]["experiments"]
+EXPERIMENTS = SETTINGS.accepted.experiments
 ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{R}/accepted/recordings.safetensors"}
 UNITS = experiment_units(Path(EXPERIMENTS))
 
@@ -66,7 +66,7 @@ rule score_spread:
         runtime=30,
     params:
         *call("repro.pipeline.networks:score_spread"),
-        trained_as={name: configuration_digest(of_network(config, name)) for name in ("published", "tracked")},
+        trained_as={name: configuration_digest(of_network(SETTINGS, name)) for name in ("published", "tracked")},
         config=sections(*USED, *ARM, "networks", "spread"),
     message:
         "Every method on the accepted experiments"

@@ -30,7 +30,7 @@ rule verify:
     params:
         *call("repro.paper.ledger:verified"),
         results=Path(R),
-        config={**LEDGER_SECTIONS, "claims": config["claims"]},
+        config={**LEDGER_SECTIONS, **stated(SETTINGS, "claims")},
     message:
         "Verifying the ledger"
     script:

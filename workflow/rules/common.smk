@@ -11,9 +11,8 @@ def call(function, *definitions):
     return [function, *(CODE.of_script(script, function, *definitions) if workflow.is_main_process else [])]
 
 
-# What makes training samples, and what reads the settings.
-SAMPLED = ["repro.pipeline.simulated_arms:training_motion"]
-SAMPLED += [f"repro.settings:{name}_settings" for name in ("data", "network", "training")]
+# What makes training samples.
+SAMPLED = ["repro.pipeline.simulated_arms:training_motion", "repro.config.sections:data_settings"]
 
 
 def training_code(trainer):
@@ -21,13 +20,20 @@ def training_code(trainer):
     return CODE.of(trainer, *SAMPLED) if workflow.is_main_process else []
 
 
-def sections(*names, of=config):
+# Keys that decide no result but those of the jobs that name them: one more seed changes nothing for a job that works on
+# one motion or one arm, and a network does not depend on what is logged on the way to it.
+IDLE = {
+    "numeric": ["seeds"],
+    "experiment": ["search_seeds", *([] if SETTINGS.experiment.source == "serial" else ["port", "baud"])],
+    "training": ["source", "networks", "test_samples", "log_every", "checkpoint_every"],
+}
+
+
+def sections(*names, of=SETTINGS):
     """Parts of the configuration that jobs depend on: changing another part does not run them again."""
-    parts = {name: of[name] for name in names}
-    if "numeric" in parts:  # one more seed changes nothing for the jobs that work on one motion or one arm
-        parts["numeric"] = {key: value for key, value in config["numeric"].items() if key != "seeds"}
-    if "experiment" in parts:  # likewise
-        parts["experiment"] = {key: value for key, value in config["experiment"].items() if key != "search_seeds"}
+    parts = stated(of, *names)
+    for name in IDLE.keys() & parts.keys():
+        parts[name] = {key: value for key, value in parts[name].items() if key not in IDLE[name]}
     return parts
 
 
@@ -35,23 +41,31 @@ def sections(*names, of=config):
 ARM = ("signals", "arm", "board", "experiment")
 TRAINED = ("signals", "network", "data", "image", "training")
 USED = (*TRAINED, "metric", "algorithm1", "refinement")
+READ = ("signals", "network", "image", "metric", "algorithm1", "refinement")
 
 
 def network_sections(*names):
     """What a job that uses a network depends on, as that network changes it, and further parts."""
-    return lambda wildcards: sections(*USED, *names, of=of_network(config, network_name(wildcards.suffix)))
+
+    def parts(wildcards):
+        own = of_network(SETTINGS, network_name(wildcards.suffix))
+        return {**sections(*READ, *names, of=own), "training": {"precision": own.training.precision}}
+
+    return parts
 
 
 def trained_as(wildcards):
     """What the weights of a job's network say of themselves."""
-    return configuration_digest(of_network(config, network_name(wildcards.suffix)))
+    return configuration_digest(of_network(SETTINGS, network_name(wildcards.suffix)))
 
 
 def training_sections(wildcards):
-    """What one network depends on; where it comes from only if it can be a stored one."""
-    parts = training_config(of_network(config, network_name(wildcards.suffix)))
-    keys = ("source", "networks") if wildcards.suffix in ARM_SUFFIXES else ()
-    return {**parts, "training": {**parts["training"], **{key: config["training"][key] for key in keys}}}
+    """What one network and its history depend on; of a stored one, where it comes from."""
+    if is_stored(wildcards):
+        return {"training": {key: getattr(SETTINGS.training, key) for key in ("source", "networks")}}
+    own = of_network(SETTINGS, network_name(wildcards.suffix))
+    parts, history = training_config(own), {key: getattr(own.training, key) for key in ("test_samples", "log_every")}
+    return {**parts, "training": {**parts["training"], **history}}
 
 
 def factorial_motions(wildcards):
@@ -61,17 +75,17 @@ def factorial_motions(wildcards):
 
 def factorial_training_sections(wildcards):
     """What a network of the factorial depends on."""
-    plain = config["factorial"]["plain"] if CELLS[wildcards.cell].reader == "plain" else {"noise": 0.0}
-    return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": plain}}
+    own = FACTORIAL["plain"] if CELLS[wildcards.cell].reader == "plain" else {}
+    return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": own}}
 
 
 # What a job of the study depends on: job sizes and levels, but the extremes of friction, change no arm and no network.
-STUDY_JOBS = jobs(config)
+STUDY_JOBS, STUDY = jobs(SETTINGS), stated(SETTINGS, "study")["study"]
 STUDY_ARMS = {
-    key: config["study"][key] for key in ("seed", "arms", "excitations", "priors", "training_arms", "unmodelled")
+    key: STUDY[key] for key in ("seed", "arms", "excitations", "priors", "training_arms", "unmodelled")
 }
-STUDY_ARMS["frictions"] = [min(config["study"]["frictions"]), max(config["study"]["frictions"])]
-STUDY_TRAINED = {key: config["study"][key] for key in ("seed", "cnn_steps", "posterior", "unmodelled")}
+STUDY_ARMS["frictions"] = [min(STUDY["frictions"]), max(STUDY["frictions"])]
+STUDY_TRAINED = {key: STUDY[key] for key in ("seed", "cnn_steps", "posterior", "unmodelled")}
 
 
 def study_folder(wildcards):
@@ -82,12 +96,12 @@ def study_folder(wildcards):
 
 def study_networks(wildcards):
     """Weights of the networks of a job."""
-    return [f"{study_folder(wildcards)}/{network}.safetensors" for network in networks(config, wildcards.job)]
+    return [f"{study_folder(wildcards)}/{network}.safetensors" for network in networks(SETTINGS, wildcards.job)]
 
 
 # What a search of the factorial depends on: not how many there are.
 SEEDS = ("training_seeds", "search_seeds")
-FACTORIAL = {key: value for key, value in config["factorial"].items() if key not in SEEDS}
+FACTORIAL = {key: value for key, value in stated(SETTINGS, "factorial")["factorial"].items() if key not in SEEDS}
 FACTORIAL_SECTIONS = {**sections(*USED, *ARM), "factorial": FACTORIAL}
 
 
@@ -100,34 +114,34 @@ ARM_SUFFIXES = [*SUFFIXES, "-desired", "-tracked-measured"]
 
 def weights(suffix):
     """Weights of a network: those of the first one that is trained in the same way."""
-    names = ["", *(f"-{name}" for name in config["networks"])]
-    digests = [configuration_digest(of_network(config, network_name(each))) for each in names]
+    names = ["", *(f"-{name}" for name in plain(SETTINGS.networks))]
+    digests = [configuration_digest(of_network(SETTINGS, network_name(each))) for each in names]
     own = digests.index(digests[names.index(suffix)])
     return f"{R}/model/cnn{names[own]}.safetensors"
 
 
 def accepted_weights(wildcards):
     """Networks that search an experiment: that of its unit of omega, and in detail that of closed-loop motions."""
-    unit, own = UNITS[int(wildcards.number)], config["signals"]["frequency_reading"]
-    detailed = list(UNITS)[: config["accepted"]["detailed_experiments"]]
+    unit, own = UNITS[int(wildcards.number)], SETTINGS.signals.frequency_reading
+    detailed = list(UNITS)[: SETTINGS.accepted.detailed_experiments]
     further = ["-tracked-measured"] if unit == own and int(wildcards.number) in detailed else []
     return [f"{R}/{network_of_unit(unit, own)}", *map(weights, further)]
 
 
 def is_stored(wildcards):
     """Whether a network is taken from those that come with the project."""
-    return config["training"]["source"] == "stored" and wildcards.suffix in ARM_SUFFIXES
+    return SETTINGS.training.source == "stored" and wildcards.suffix in ARM_SUFFIXES
 
 
 def stored_network(wildcards):
     """Files that a stored network is read from; one that is trained needs none."""
-    stored = stored_files(config["training"]["networks"], wildcards.suffix)
+    stored = stored_files(SETTINGS.training.networks, wildcards.suffix)
     return list(stored.values()) if is_stored(wildcards) else []
 
 
 def tracked_motions(wildcards):
     """Motions that a network is trained on, where they are not Eq. 10's own."""
-    motions = of_network(config, network_name(wildcards.suffix))["data"]["motions"]
+    motions = of_network(SETTINGS, network_name(wildcards.suffix)).data.motions
     return [] if is_stored(wildcards) or motions == "ideal" else f"{R}/data/tracked.safetensors"
 
 
@@ -136,7 +150,7 @@ def identifications(suffixes):
     return expand(
         f"{R}/identification/numeric{{suffix}}-seed{{seed}}.json",
         suffix=suffixes,
-        seed=config["numeric"]["seeds"],
+        seed=SETTINGS.numeric.seeds,
     )
 
 
@@ -146,7 +160,7 @@ NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
 
 def present_files(motion):
     """Files of a stored capture, or the check sums of all; one that is missing ends the run with one line."""
-    files = capture_files(config, motion)
+    files = capture_files(SETTINGS, motion)
     if not all(map(os.path.isfile, files)):
         accept_config(config, CONFIG_FILES, [motion])
     return files
@@ -162,7 +176,7 @@ def experiment_identifications(suffix=""):
     numbered = expand(
         f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
         suffix=suffix or ARM_SUFFIXES,
-        seed=config["experiment"]["search_seeds"],
+        seed=SETTINGS.experiment.search_seeds,
     )
     return numbered if suffix else [*numbered, f"{R}/identification/experiment-least-squares.json"]
 
@@ -176,7 +190,7 @@ LEDGER_SOURCES = {
     "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
 }
 # Settings that are compared with published ones.
-LEDGER_SECTIONS = sections(*ARM, "metric", "data", "training", "networks", "algorithm1", "numeric")
+LEDGER_SECTIONS = {**sections(*ARM, "metric", "data", "networks", "algorithm1", "numeric"), **stated(SETTINGS, "training")}
 
 
 # What precedes a wildcard in the name of a log or benchmark, where that is no hyphen; a suffix has its own.

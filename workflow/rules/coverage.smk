@@ -13,8 +13,8 @@ rule check_coverage:
         runtime=30,
     params:
         *call("repro.pipeline.coverage:check_coverage"),
-        trained_as=configuration_digest(of_network(config, "tracked")),
-        config=sections(*USED, *ARM, "coverage", of=of_network(config, "tracked")),
+        trained_as=configuration_digest(of_network(SETTINGS, "tracked")),
+        config=sections(*USED, *ARM, "coverage", of=of_network(SETTINGS, "tracked")),
     message:
         "Checking the intervals of the network of tracked motions"
     script:

@@ -35,8 +35,8 @@ SOURCES = {
         "scores": [
             f"{R}/factorial/{cell}-seed{seed}-search{search}.csv"
             for cell in CELLS
-            for seed in config["factorial"]["training_seeds"]
-            for search in config["factorial"]["search_seeds"][: 1 if CELLS[cell].reader == "plain" else None]
+            for seed in SETTINGS.factorial.training_seeds
+            for search in SETTINGS.factorial.search_seeds[: 1 if CELLS[cell].reader == "plain" else None]
         ],
         "references": f"{R}/factorial/references.csv",
     },

@@ -1,5 +1,5 @@
 # A port can be opened once.
-SERIAL = config["experiment"]["source"] == "serial"
+SERIAL = SETTINGS.experiment.source == "serial"
 if SERIAL:
     workflow.register_resource("serial_port", 1)
 
@@ -9,7 +9,7 @@ LOGIC = sorted(map(str, (HERE.parent / "rtl").glob("*.*")))
 
 rule acquire:
     input:
-        lambda wildcards: LOGIC if config["experiment"]["source"] == "rtl" else present_files(wildcards.motion),
+        lambda wildcards: LOGIC if SETTINGS.experiment.source == "rtl" else present_files(wildcards.motion),
     output:
         out=f"{R}/experiment/{{motion}}.bin",
         program=f"{R}/experiment/{{motion}}.program",
@@ -50,13 +50,13 @@ rule identify_experiment:
     output:
         expand(
             f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
-            seed=config["experiment"]["search_seeds"],
+            seed=SETTINGS.experiment.search_seeds,
             allow_missing=True,
         ),
     priority: LONG
     params:
         *call("repro.pipeline.networks:identify_experiment"),
-        seeds=config["experiment"]["search_seeds"],
+        seeds=SETTINGS.experiment.search_seeds,
         trained_as=trained_as,
         config=network_sections(*ARM),
     message:

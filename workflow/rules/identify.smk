@@ -5,13 +5,13 @@ rule identify_numeric:
     output:
         expand(
             f"{R}/identification/numeric{{suffix}}-seed{{seed}}.json",
-            seed=config["numeric"]["seeds"],
+            seed=SETTINGS.numeric.seeds,
             allow_missing=True,
         ),
     priority: LONG
     params:
         *call("repro.pipeline.networks:identify_numeric"),
-        seeds=config["numeric"]["seeds"],
+        seeds=SETTINGS.numeric.seeds,
         trained_as=trained_as,
         config=network_sections("numeric"),
     message:

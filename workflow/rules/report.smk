@@ -17,7 +17,8 @@ rule report:
         checkout=lambda wildcards, input: os.path.dirname(input.templates[0]),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=[str(name) for name in workflow.overwrite_configfiles],
-        config=config,
+        digest=config_digest(config),
+        config=stated(SETTINGS, "results", "figures", "training"),
     message:
         "Report of every table, figure and published number"
     script:

@@ -6,7 +6,7 @@
 rule study_arms:
     output:
         choice=f"{R}/study/arms.safetensors",
-        training=[f"{R}/study/{excitation}-{law}/training.safetensors" for excitation, law in trained(config)],
+        training=[f"{R}/study/{excitation}-{law}/training.safetensors" for excitation, law in trained(SETTINGS)],
     priority: AWAITED
     resources:
         runtime=15,

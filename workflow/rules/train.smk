@@ -20,6 +20,7 @@ rule train:
         # The training alone: nobody wants it again for a change around it.
         *training_code("repro.cnn.train"),
         config=training_sections,
+        trained_as=trained_as,
         checkpoint=f"{R}/model/.checkpoint{{suffix}}.safetensors",
     message:
         "Training the CNN{wildcards.suffix}"

@@ -13,6 +13,9 @@ module, _, name = snakemake.params[0].partition(":")
 function = getattr(import_module(module), name)  # before the job begins, which sets the threads of a loaded torch
 given = {name: int(value) if value.isdigit() else value for name, value in snakemake.wildcards.items()}
 given |= dict(snakemake.params.items())
+if "config" in given:  # not by name, so that a new key is no other code for every job
+    every = snakemake.config["training"]["checkpoint_every"]  # no result depends on it
+    given["config"] = import_module("repro.config.sections").job_configuration(given["config"], every)
 given["files"] = [Path(each) for each in snakemake.input]
 for kind, files in (("inputs", snakemake.input), ("outputs", snakemake.output)):
     given[kind] = {}

@@ -3,15 +3,17 @@
 Nothing here loads torch, so that a configuration is checked and a kernel drawn without it.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from annotated_types import Ge, Gt, Le, Lt
 from numpy.typing import NDArray
 
 from repro.errors import InputError
 from repro.files import read_tensors
+from repro.keys import SECTION, Count, Integer, Key, Level, Positive, Real, Seed, Whole, Width
 
 ScheduleName = Literal["streamed", "paper"]
 Precision = Literal["auto", "float32", "bfloat16"]
@@ -22,13 +24,15 @@ HISTORY_COLUMNS = ("step", "learning_rate", "train_loss", "test_loss")
 
 @dataclass(frozen=True)
 class NetworkSettings:
-    """Sizes of the network."""
+    """Sizes of the CNN."""
 
-    image_size: int = 100  # side of the input image
-    maps: int = 10  # output maps of each convolution
-    kernels: tuple[int, int, int] = (9, 5, 3)  # sides of the kernels of the three convolutions
-    hidden: tuple[int, int] = (100, 50)  # widths of layers 4 and 5, which the paper's text does not give
-    sigmoid_gain: float = 1.0  # c of Eq. 13
+    __pydantic_config__ = SECTION
+
+    image_size: ClassVar[int] = 100  # side of the input image
+    maps: ClassVar[int] = 10  # output maps of each convolution
+    kernels: ClassVar[tuple[int, int, int]] = (9, 5, 3)  # sides of the kernels of the three convolutions
+    hidden: Annotated[tuple[Width, Width], Key("widths of layers 4 and 5", source="Table 3 (lost)")] = (100, 50)
+    sigmoid_gain: Annotated[Positive, Key("c of the output's sigmoid", source="Eq. 13")] = 1.0
 
     @property
     def pooled(self) -> tuple[int, int, int]:
@@ -59,31 +63,59 @@ class NetworkSettings:
 
 @dataclass(frozen=True)
 class PaperSchedule:
-    """Section IV-B: stochastic gradient descent on a fixed set."""
+    """The paper's own training schedule."""
 
-    images: int = 10_000  # size of the fixed set
-    train_share: float = 0.8  # fraction used for training; the rest is for testing
-    learning_rate: float = 20e-3  # eta = 20e-3 + 0.2e-7 T, as printed, which grows with the iteration T
-    learning_rate_slope: float = 0.2e-7
-    gradient_gain: float = 100.0  # MT, a factor on the derivative of the loss
+    __pydantic_config__ = SECTION
+
+    images: Annotated[Integer, Ge(10), Le(1_000_000), Key("fixed set", "images", "published: Section IV-B")] = 10_000
+    train_share: Annotated[
+        Real,
+        Gt(0),
+        Lt(1),
+        Key("share to train with; the rest tests", "", "published: Section IV-B", "an image at least on each side"),
+    ] = 0.8
+    learning_rate: Annotated[Positive, Key("eta at the first iteration", "", "published: Section IV-B")] = 20e-3
+    learning_rate_slope: Annotated[
+        Level, Key("what eta gains with each iteration", "1/step", "published: Section IV-B")
+    ] = 0.2e-7
+    gradient_gain: Annotated[Positive, Key("MT, a factor on the gradient", "", "published: Section IV-B")] = 100.0
 
 
 @dataclass(frozen=True)
 class TrainingSettings:
-    """Schedule and budget of a training run."""
+    """Training schedule and budget."""
 
-    #: Fresh samples with Muon and a falling rate, or the paper's fixed set and descent.
-    recipe: ScheduleName = "streamed"
-    steps: int = 4_000  # of the optimiser
-    batch: int = 64  # images in a step
-    learning_rate: float = 5e-3  # peak of the streamed schedule, which falls to zero
-    warmup: int = 400  # steps over which the streamed rate rises, or a quarter of all if that is less
-    seed: int = 1  # of weights and samples
-    test_samples: int = 1024  # size of the held-out set of the streamed schedule
-    log_every: int = 500  # steps between rows of the history
-    checkpoint_every: int = 500
-    precision: Precision = "auto"  # of layers 1 to 4 and of Muon's wide products; auto: bfloat16 if native
-    paper: PaperSchedule = field(default_factory=PaperSchedule)
+    __pydantic_config__ = SECTION
+
+    recipe: Annotated[
+        ScheduleName,
+        Key("fresh samples at every step with Muon, or the paper's schedule", source="ours; Section IV-B"),
+    ] = "streamed"
+    steps: Annotated[Count, Key("optimiser steps; the streamed rate ends there", "steps", "ours")] = 4_000
+    batch: Annotated[Width, Key("images in a step", "images", "ours")] = 64
+    learning_rate: Annotated[Positive, Key("rate that a line brings down to zero", source="ours")] = 5e-3
+    warmup: Annotated[Whole, Key("steps over which the rate rises, at most a quarter of all", "steps", "ours")] = 400
+    seed: Annotated[Seed, Key("seed of weights and samples of every network, and of the examples of Fig. 8 and 9")] = 1
+    test_samples: Annotated[Integer, Ge(1), Le(65536), Key("size of the held-out set", "images", "ours")] = 1024
+    log_every: Annotated[Count, Key("steps between rows of `training.csv`", "steps")] = 500
+    checkpoint_every: Annotated[Count, Key("steps between checkpoints", "steps")] = 500
+    #: Of layers 1 to 4 and of Muon's wide products.
+    precision: Annotated[Precision, Key("arithmetic of layers 1 to 4; `auto`: bfloat16 where the processor has it")] = (
+        "auto"
+    )
+    paper: PaperSchedule = PaperSchedule()
+
+
+@dataclass(frozen=True)
+class PlainSettings:
+    """Size and budget of a network that reads the torque without an image."""
+
+    __pydantic_config__ = SECTION
+
+    width: Annotated[Width, Key("width of each of its three hidden layers")] = 512
+    steps: Annotated[Count, Key("optimiser steps", "steps")] = 3000
+    batch: Annotated[Width, Key("torques in a step", "torques")] = 512
+    learning_rate: Annotated[Positive, Key("rate that a cosine brings down to zero")] = 1e-3
 
 
 def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None) -> dict[str, NDArray[np.floating]]:

@@ -5,14 +5,15 @@ extension of ours, off by default, torques may also have unmodelled effects: Str
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.cnn.image import ImageSettings, image_factors
+from repro.cnn.image import PUBLISHED_IMAGE, ImageSettings, image_factors
 from repro.cnn.priors import GuessSettings, ListedPrior, Prior, sample_beta, training_guess
+from repro.keys import SECTION, Key, Level
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 from repro.signals.dct import SignalSettings, dct2dev, dct2low, dct2sub, image_regressor
@@ -29,12 +30,14 @@ STRIBECK_VELOCITY = 0.2
 
 @dataclass(frozen=True)
 class UnmodelledSettings:
-    """Upper ends of the unmodelled effects: each sample draws each effect uniformly from zero to it."""
+    """Torque beyond Eq. 1 in training samples, which draw from zero to these levels."""
 
-    stribeck: float = 0.0  # fraction by which Coulomb friction is higher near standstill
-    ripple: float = 0.0  # amplitude of a ripple that turns with the joint, over the largest torque
-    noise: float = 0.0  # standard deviation of white noise on the subsampled torque, over the largest torque
-    delay_s: float = 0.0  # delay of the torque, s; to first order
+    __pydantic_config__ = SECTION
+
+    stribeck: Annotated[Level, Key("share by which Coulomb friction is higher near standstill")] = 0.0
+    ripple: Annotated[Level, Key("amplitude of a ripple of 3 to 31 cycles a turn", "largest torque")] = 0.0
+    noise: Annotated[Level, Key("standard deviation of noise on the subsampled torque", "largest torque")] = 0.0
+    delay_s: Annotated[Level, Key("delay of the torque", "s")] = 0.0  # to first order
 
     def __str__(self) -> str:
         """List the levels for a model card."""
@@ -69,10 +72,10 @@ def sample_motion(
     motion: Motion, settings: SignalSettings, proper: slice = slice(None), unmodelled: bool = False
 ) -> SampledMotion:
     """Compute the regressors of a motion; `proper` is what **cut** of Algorithm 1 keeps after filtering."""
-    filtering = settings.h, settings.c_f, settings.omega_unit
+    filtering = settings.sampling_period_s, settings.filter_coefficient, settings.frequency_reading
 
     def sampled(x: Array, lines: Callable[..., Array] = dct2low) -> Array:
-        return dct2sub(lines(x, *filtering)[..., proper], settings.samples)
+        return dct2sub(lines(x, *filtering)[..., proper], settings.image_samples)
 
     y = np.moveaxis(regressor(motion.q, motion.dq, motion.ddq), -1, 0)  # (9, 2, N)
     torque = np.moveaxis(sampled(y), 0, -1)
@@ -95,16 +98,24 @@ def stack_motions(motions: Sequence[SampledMotion], model: Array | None = None) 
 
 
 @dataclass(frozen=True)
-class DataSettings:
+class LabelSettings(GuessSettings):
+    """What training samples show."""
+
+    __pydantic_config__ = SECTION
+
+    #: With the largest torque a right guess makes psi equal alpha, as Section IV-A says; with SI it does not.
+    label: Annotated[
+        Label, Key("unit of labels and guesses: the largest torque, or SI", source="Section IV-A, Eq. 9")
+    ] = "largest-torque"
+    unmodelled: UnmodelledSettings = UnmodelledSettings()
+
+
+@dataclass(frozen=True)
+class DataSettings(LabelSettings):
     """Distribution of the training samples."""
 
     prior: Prior | ListedPrior = "mixture"  # of the arms, see `repro.cnn.priors`
-    guess: GuessSettings = field(default_factory=GuessSettings)
-    image: ImageSettings = field(default_factory=ImageSettings)
-    #: Unit of parameters in labels and guesses: the largest torque, in which a right guess makes psi equal alpha as
-    #: Section IV-A says, or SI as the text reads, in which it does not.
-    label: Label = "largest-torque"
-    unmodelled: UnmodelledSettings = field(default_factory=UnmodelledSettings)
+    image: ImageSettings = PUBLISHED_IMAGE
 
 
 @dataclass(frozen=True)
@@ -120,7 +131,7 @@ def draw_samples(rng: np.random.Generator, n: int, motion: SampledMotion, settin
     """Draw n training samples in single precision; of K motions, each sample draws one."""
     torque, beta_bar, which = draw_torques(rng, n, motion, settings)
     alpha = torque.astype(np.float32)
-    beta_n = training_guess(rng, beta_bar, settings.guess)
+    beta_n = training_guess(rng, beta_bar, settings)
     psi = 2 * alpha - _rebuilt(motion.model, beta_n, which).reshape(alpha.shape).astype(np.float32)
     u, v = image_factors(alpha, psi, settings.image)
     return Samples(u, v, (beta_bar - beta_n).astype(np.float32))

@@ -6,11 +6,12 @@ build the image itself (`assemble`).
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from repro.keys import SECTION, Key, Positive
 from repro.model.dynamics import check_motion, inverse_dynamics
 from repro.model.parameters import NAMES
 
@@ -26,13 +27,18 @@ COLOUR_WEIGHTS = ((2 / 3, 0.7 / 3), (2 / 3, 0.0), (2 / 3, 1.0))
 
 @dataclass(frozen=True)
 class ImageSettings:
-    """How Eq. 9 divides its two parts."""
+    """Scaling of the image."""
 
-    #: Divisor of Z1. ``shared-max``: one maximum over both channels, because both torques share theirs.
-    #: ``channel-max``: each channel's own. ``constant``: `constant`, so that a guess that is wrong by a common factor
-    #: looks different from a right one (in the ablation).
-    scale: Scale = "shared-max"
-    constant: float = 4.0
+    __pydantic_config__ = SECTION
+
+    #: With a constant, a guess that is wrong by a common factor looks different from a right one (in the ablation).
+    scale: Annotated[
+        Scale, Key("divisor of Z1: its maximum over both channels, over each, or a constant", source="Eq. 9")
+    ] = "shared-max"
+    constant: Annotated[Positive, Key("the divisor, if `scale` is `constant`", source="ours")] = 4.0
+
+
+PUBLISHED_IMAGE = ImageSettings()
 
 
 def _unit_range(x: Floats, axes: tuple[int, ...]) -> Floats:
@@ -90,7 +96,7 @@ def images(
     ddq: ArrayLike,
     tau: ArrayLike,
     guess: ArrayLike,
-    settings: ImageSettings = ImageSettings(),
+    settings: ImageSettings = PUBLISHED_IMAGE,
 ) -> Floats:
     """Build the images that the network reads, from a torque and from what Eq. 1 gives for a guess (Eq. 8 and 9).
 

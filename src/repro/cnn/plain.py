@@ -7,7 +7,6 @@ Murray 2016) of the nine parameters given the 200 torque samples, normal (`Plain
 import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,6 +14,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from repro.cnn.architecture import PlainSettings
 from repro.cnn.dataset import DataSettings, SampledMotion, draw_torques
 from repro.errors import require
 from repro.files import read_tensors, write_tensors
@@ -26,16 +26,6 @@ FEATURES, TRANSFORMS, HIDDEN = 64, 3, 128
 #: Parameters, and the lower triangle of the factor of their precision matrix.
 _N = len(NAMES)
 _LOWER = torch.tril_indices(_N, _N)
-
-
-@dataclass(frozen=True)
-class PlainSettings:
-    """Size and budget."""
-
-    width: int = 512  # of each of three hidden layers
-    steps: int = 3000
-    batch: int = 512
-    learning_rate: float = 1e-3  # a cosine brings it down to zero
 
 
 class Posterior(nn.Module, ABC):

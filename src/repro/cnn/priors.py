@@ -7,10 +7,11 @@ arms with I2 of 0.42 to 0.98. The default is therefore a mixture that covers bot
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
+from repro.keys import Key, Positive, Share
 from repro.model.parameters import Array, Links, inertial_from_links
 
 Prior = Literal["mixture", "uniform", "log-uniform", "links", "published"]
@@ -85,12 +86,21 @@ def sample_beta(rng: np.random.Generator, n: int, prior: Prior | ListedPrior = "
 class GuessSettings:
     """Distribution of the guesses beta_n of the training images."""
 
-    low: float = 1e-3  # range of the uniform guesses of M_n images, as published
-    high: float = 3.0
-    exact_share: float = 0.1  # fraction of M_p images, whose guess is right
-    near_share: float = 0.2  # fraction of guesses with a normal error of log-uniform size, as refinement meets them
-    near_low: float = 3e-3  # range of that size
-    near_high: float = 0.5
+    guess_low: Annotated[Positive, Key("lower end of uniform guesses", "largest torque", "published: Section IV-A")] = (
+        1e-3
+    )
+    guess_high: Annotated[
+        Positive, Key("their upper end", "largest torque", "published: Section IV-A", "above `guess_low`")
+    ] = 3.0
+    exact_share: Annotated[Share, Key("share of M_p images, whose guess is right", source="Section IV-A")] = 0.1
+    #: As refinement meets them.
+    near_share: Annotated[
+        Share, Key("share of guesses with a small error", "", "ours", "with `exact_share` 1 at most")
+    ] = 0.2
+    near_low: Annotated[Positive, Key("lower end of that error's log-uniform deviation", "largest torque", "ours")] = (
+        3e-3
+    )
+    near_high: Annotated[Positive, Key("its upper end", "largest torque", "ours", "above `near_low`")] = 0.5
 
 
 def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSettings) -> Array:
@@ -98,7 +108,7 @@ def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSet
     n = len(beta_bar)
     kind = rng.uniform(size=(n, 1))
     size = _log_uniform(rng, settings.near_low, settings.near_high, (n, 1))
-    near = np.maximum(beta_bar + size * rng.standard_normal((n, 9)), settings.low)
-    uniform = rng.uniform(settings.low, settings.high, (n, 9))  # as line 17 of Algorithm 1 draws them
+    near = np.maximum(beta_bar + size * rng.standard_normal((n, 9)), settings.guess_low)
+    uniform = rng.uniform(settings.guess_low, settings.guess_high, (n, 9))  # as line 17 of Algorithm 1 draws them
     guess = np.where(kind < settings.exact_share + settings.near_share, near, uniform)
     return np.where(kind < settings.exact_share, beta_bar, guess)

@@ -3,17 +3,18 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 from urllib.parse import urlsplit
 
 from repro.commands.options import add_config, integer, number, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
+    from repro.config.model import Configuration
     from repro.fpga.capture import Capture
     from repro.fpga.channel_errors import ErrorRates
     from repro.signals.programs import ReferenceTrajectory
@@ -40,7 +41,7 @@ def simulate(arguments: argparse.Namespace) -> int:
     """Run a simulated board that serial programs can connect to."""
     import numpy as np
 
-    from repro.config import load_config
+    from repro.config.check import load_config
     from repro.fpga.channel_errors import ErrorInjector
     from repro.fpga.logic import logic_board
     from repro.fpga.server import Board, PtyEndpoint, SocketEndpoint, serve
@@ -107,7 +108,7 @@ def record_arguments(parser: argparse.ArgumentParser) -> None:
 
 def record(arguments: argparse.Namespace) -> int:
     """Record a motion from a board, real or simulated, into a capture file."""
-    from repro.config import load_config
+    from repro.config.check import load_config
     from repro.fpga.capture import check_target
     from repro.fpga.link import record_capture
     from repro.pipeline.experiment import metadata_for
@@ -116,8 +117,8 @@ def record(arguments: argparse.Namespace) -> int:
     config = load_config(arguments.config)
     program = program_of(config, arguments.trajectory)
     metadata = metadata_for(program, config)
-    port = config["experiment"]["port"] if arguments.port is None else arguments.port
-    baud = arguments.baud or config["experiment"]["baud"]
+    port = config.experiment.port if arguments.port is None else arguments.port
+    baud = arguments.baud or config.experiment.baud
     if "://" in port and not _is_address(port):
         raise InputError.at("--port", repr(port), f"a device, or HOST:PORT behind {' or '.join(_URLS)}")
     capture = record_capture(arguments.out, port, metadata, baud, arguments.timeout, arguments.overwrite)
@@ -137,7 +138,7 @@ def _is_address(url: str) -> bool:
         return False
 
 
-def program_of(config: Mapping[str, Any], trajectory: str) -> "ReferenceTrajectory":
+def program_of(config: "Configuration", trajectory: str) -> "ReferenceTrajectory":
     """Give the motion of a name or of a table ``FILE.csv``, within the limits of the arm."""
     from repro.pipeline.experiment import check_program, program_from_config
     from repro.signals.programs import PROGRAMS
@@ -147,7 +148,7 @@ def program_of(config: Mapping[str, Any], trajectory: str) -> "ReferenceTrajecto
     if not trajectory.endswith(".csv"):
         raise InputError.at("--trajectory", repr(trajectory), f"one of {', '.join(PROGRAMS)} or FILE.csv")
     program = read_program(Path(trajectory))
-    nearest = config["board"]["speed_limit_rad_s"] * program.h
+    nearest = config.board.speed_limit_rad_s * program.h
     for joint, start in enumerate(program.q[:, 0], start=1):
         if abs(start) > nearest:
             expected = f"at most {nearest:.2g} rad from zero, where the arm hangs at rest"

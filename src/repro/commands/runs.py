@@ -14,7 +14,7 @@ def check_arguments(parser: argparse.ArgumentParser) -> None:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a configuration of the workflow, as a run does before any work."""
-    from repro.config import SUMS, load_config
+    from repro.config.check import SUMS, load_config
     from repro.pipeline.stored_networks import check_stored
     from repro.signals.programs import PROGRAMS
 
@@ -42,7 +42,7 @@ def _project_config(results: Path | None) -> Path:
 
 def verify(arguments: argparse.Namespace) -> int:
     """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
-    from repro.config import load_config
+    from repro.config.check import load_config, read_config
     from repro.fingerprint import compare_hosts
     from repro.paper.claims import broken, summary
     from repro.paper.ledger import verify_ledger
@@ -53,9 +53,9 @@ def verify(arguments: argparse.Namespace) -> int:
     # Names in the list of sources start from the project's folder.
     folder = files[0].absolute().parent.parent
     root = Path() if folder == Path.cwd() else folder
-    results = arguments.results or root / config["results"]
+    results = arguments.results or root / config.results
     claims, problems = verify_ledger(results, config, root)
-    problems += changed_settings(results, config, root)
+    problems += changed_settings(results, read_config(*files), root)
     print(compare_hosts(recorded_fingerprint(results)))
     for line in summary(claims) if claims is not None else []:
         print(line)

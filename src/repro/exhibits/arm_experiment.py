@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from repro.config.model import Configuration
 from repro.exhibits import style
 from repro.exhibits.declare import ARM, Inputs, figure, table
 from repro.exhibits.markup import Table, Text, digits, formula, layout, plain, scientific, with_unit, words
@@ -18,9 +19,7 @@ from repro.model.parameters import Array
 from repro.model.stability import stability_constants
 from repro.pipeline import experiment
 from repro.pipeline.identifications import CASE, SCORES, read_identifications, read_scores, tracking
-from repro.pipeline.job import Config
 from repro.pipeline.summary import experiment_table, median_seeds, parameter_table
-from repro.settings import metric_settings, signal_settings
 from repro.signals.dct import spectrum
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 
@@ -70,13 +69,13 @@ def _estimates(inputs: Inputs) -> dict[str, Array]:
     inputs=("ID",),
     sections=(*ARM, "metric"),
 )
-def table08(inputs: Inputs, config: Config) -> pd.DataFrame:
+def table08(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Constants of the simulated board and similarity of the desired and the simulated position on the identification
     trajectory (Table 8).
     """
     (recording,) = experiment.read_recordings(inputs["captures"], config)
-    tracked = tracking(recording, metric_settings(config))
-    control, c_f = experiment.control_constants(config), config["signals"]["filter_coefficient"]
+    tracked = tracking(recording, config.metric)
+    control, c_f = experiment.control_constants(config), config.signals.filter_coefficient
     pwm_khz = np.array(control.pwm_hz) / 1e3
     constants = tracked.drop(columns="seed").assign(total_sd=0.0, seeds=1, kp=control.kp, kv=control.kv)
     return constants.assign(pwm_khz=pwm_khz, c_f=c_f)
@@ -98,7 +97,7 @@ def parameter_layout(frame: pd.DataFrame) -> Table:
 
 
 @_of_runs("Parameters of the arm", parameter_layout, trained="claims")
-def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
+def table09(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """True parameters of the simulated arm and the parameters identified by each method, median seed (the paper's Table
     9 is an image).
     """
@@ -108,7 +107,7 @@ def table09(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 @_of_runs(f"Similarity on the identification run and on {SPAN}", _TABLE_10, trained="claims")
-def table10(inputs: Inputs, _: Config) -> pd.DataFrame:
+def table10(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Similarity of the torques measured in the simulated experiment and rebuilt from the parameters of each method, on
     the identification trajectory and on the validation motions: the median of the seeds and the spread over the seeds
     (Table 10). The true parameters' own score is the ceiling; refinement is an extension of ours.
@@ -151,11 +150,11 @@ def stability_table(estimates: Mapping[str, Array], methods: Sequence[str]) -> p
     ),
     sections=("arm",),
 )
-def stability(inputs: Inputs, config: Config) -> pd.DataFrame:
+def stability(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Conditions of the appendix for input-to-state stability with the parameters that each method identified on the
     simulated arm.
     """
-    estimates = {**_estimates(inputs), "appendix": np.array(config["arm"]["parameters"])}
+    estimates = {**_estimates(inputs), "appendix": np.array(config.arm.parameters)}
     return stability_table(estimates, (*SHOWN_ON_ID, "true", "appendix"))
 
 
@@ -164,16 +163,16 @@ def _panel(recording: experiment.Recording, name: str) -> str:
     return name if recording.program.name == CASE else f"{recording.program.name} {name}"
 
 
-def _torques(inputs: Inputs, config: Config, in_frequency: bool = False) -> Iterator[Curve]:
+def _torques(inputs: Inputs, config: Configuration, in_frequency: bool = False) -> Iterator[Curve]:
     """Torques measured and rebuilt from each shown estimate, or their spectra."""
-    signals, estimates = signal_settings(config), _estimates(inputs)
+    signals, estimates = config.signals, _estimates(inputs)
     for recording in experiment.read_recordings(inputs["captures"], config):
         f = recording.regression(signals)
         methods = SHOWN_ON_ID if recording.program.name == CASE else SHOWN
         series = {"measured": f.tau} | {method: rebuild_torque(f.y, estimates[method]) for method in methods}
         n = f.tau.shape[1]
         k = np.arange(n, dtype=np.float64)
-        x: Array = k / (2 * n * signals.h) if in_frequency else k * signals.h
+        x: Array = k / (2 * n * signals.sampling_period_s) if in_frequency else k * signals.sampling_period_s
         end = np.count_nonzero(x <= HIGHEST) if in_frequency else n
         for j in (0, 1):
             for name, tau in series.items():
@@ -181,13 +180,13 @@ def _torques(inputs: Inputs, config: Config, in_frequency: bool = False) -> Iter
                 yield _panel(recording, f"torque{j + 1}"), name, x[:end], y[:end]
 
 
-def _motions(inputs: Inputs, config: Config) -> Iterator[Curve]:
+def _motions(inputs: Inputs, config: Configuration) -> Iterator[Curve]:
     """Desired position and the motion reached."""
-    signals = signal_settings(config)
+    signals = config.signals
     for recording in experiment.read_recordings(inputs["captures"], config):
         program, f = recording.program, recording.regression(signals)
         desired = program.q[:, program.n1 : program.n2]
-        time: Array = signals.h * np.arange(desired.shape[1], dtype=np.float64)
+        time: Array = signals.sampling_period_s * np.arange(desired.shape[1], dtype=np.float64)
         reached = zip(MOTION, ("joint",) * 3, (f.q, f.dq, f.ddq), strict=True)
         for panel, series, x in (("position", "desired", desired), *reached):
             for j in (0, 1):
@@ -229,7 +228,7 @@ def draw_paths(frame: pd.DataFrame) -> Figure:
 
 
 @_figure("Torques and motion of the identification run", draw_identification, inputs=("ID", "arm"))
-def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig19(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Simulated experiment on the identification trajectory: the torque measured and the torques rebuilt from the
     parameters of each method, with the position, velocity and acceleration of the joints (Fig. 19).
     """
@@ -237,13 +236,13 @@ def fig19(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 
 @_figure("Spectra of the identification run's torques", partial(_spectra, titles=_IDENTIFICATION), inputs=("ID", "arm"))
-def fig20(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig20(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 19, simulated experiment (Fig. 20)."""
     return long_table(_torques(inputs, config, in_frequency=True))
 
 
 @_figure(f"Paths of the tip in {SPAN}", draw_paths, inputs=("validation",))
-def fig21(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig21(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Desired and actual path of the tip on the validation motions of the simulated arm (Fig. 21)."""
     geometry, parts = experiment.program_settings(config).geometry, []
     for recording in experiment.read_recordings(inputs["captures"], config):
@@ -254,13 +253,13 @@ def fig21(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 
 @_figure(f"Motions of {SPAN}", _draw_motions, inputs=("validation",))
-def fig22(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig22(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Position, velocity and acceleration on the validation motions of the simulated arm (Fig. 22)."""
     return long_table(_motions(inputs, config))
 
 
 @_figure(f"Torques of {SPAN}", partial(_compare, titles=_VALIDATION), inputs=("validation", "arm"))
-def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig23(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of each method
     (Fig. 23).
     """
@@ -272,7 +271,7 @@ def fig23(inputs: Inputs, config: Config) -> pd.DataFrame:
     partial(_spectra, titles=_VALIDATION, by_row=True),
     inputs=("validation", "arm"),
 )
-def fig24(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig24(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 23, simulated experiment; each row ends with the last band that matters in
     it (Fig. 24).
     """

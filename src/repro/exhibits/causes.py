@@ -8,13 +8,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from repro.config.model import Configuration
 from repro.exhibits import style
 from repro.exhibits.declare import Inputs, figure, table
 from repro.exhibits.markup import Cell, Table, Text, digits, layout, number, plain
 from repro.files import read_csv
 from repro.pipeline.factorial import COLUMNS, cell_means, effects
 from repro.pipeline.identifications import CASE, SCORES, read_scores
-from repro.pipeline.job import Config
 
 _why_table, _why_figure = (
     partial(kind, category="Experiment (simulated)", inputs=("arm",), trained="all") for kind in (table, figure)
@@ -104,7 +104,7 @@ def draw_why(frame: pd.DataFrame) -> Figure:
 
 
 @_why_table("Motions of the training and of line 18, crossed", why_layout)
-def why_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def why_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
     """
@@ -112,7 +112,7 @@ def why_table(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 @_why_figure("Motions of the training and of line 18, crossed", draw_why)
-def why_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+def why_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
     motion on which line 18 takes f of the image.
     """
@@ -207,7 +207,7 @@ def _factorial(inputs: Inputs) -> pd.DataFrame:
 
 
 @_factorial_table("Effects of the causes", effects_layout)
-def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def factorial_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Effects of four causes on the similarity that Algorithm 1 reaches on the accepted experiments, with 95 %
     intervals over experiments and training seeds.
     """
@@ -230,7 +230,7 @@ def factorial_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     ),
     label="Factorial, cells",
 )
-def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
+def factorial_cells(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Mean similarity on the accepted experiments under each combination of the causes, and of methods without a
     network.
     """
@@ -238,7 +238,7 @@ def factorial_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 @_factorial_figure("Effects of the causes", draw_effects)
-def factorial_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+def factorial_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Effects of four causes on the similarity that Algorithm 1 reaches on the accepted experiments, with 95 %
     intervals over experiments and training seeds.
     """

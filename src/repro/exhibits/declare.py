@@ -10,17 +10,17 @@ from typing import Literal
 import pandas as pd
 from matplotlib.figure import Figure
 
+from repro.config.model import Configuration
 from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.markup import Table
 from repro.files import read_csv, write_csv, write_text
-from repro.pipeline.job import Config
 
 #: Files by the name of the input.
 Inputs = Mapping[str, Sequence[Path]]
 
 Kind = Literal["table", "figure"]
-Numbers = Callable[[Inputs, Config], pd.DataFrame]
+Numbers = Callable[[Inputs, Configuration], pd.DataFrame]
 Drawing = Callable[[pd.DataFrame], Table | Figure]
 #: Which floats depend on a network: none, those of a claim about it unless it is of least squares, or all.
 Trained = Literal["no", "claims", "all"]
@@ -99,7 +99,7 @@ table, figure = partial(_declare, "table"), partial(_declare, "figure")
 
 
 def make_exhibits(
-    exhibits: Sequence[str], inputs: Inputs, outputs: Mapping[str, Sequence[Path]], config: Config
+    exhibits: Sequence[str], inputs: Inputs, outputs: Mapping[str, Sequence[Path]], config: Configuration
 ) -> None:
     """Write exhibits of the same inputs, each to outputs named after its target and kind."""
     for definition in exhibits:
@@ -110,7 +110,7 @@ def make_exhibits(
         make_exhibit(exhibit, inputs, out, config)
 
 
-def make_exhibit(exhibit: Exhibit, inputs: Inputs, out: Mapping[str, Path], config: Config) -> None:
+def make_exhibit(exhibit: Exhibit, inputs: Inputs, out: Mapping[str, Path], config: Configuration) -> None:
     """Write an exhibit's tidy table, then its TeX and Markdown, or its PDF and PNG."""
     write_csv(out["csv"], exhibit.numbers(inputs, config))
     show(exhibit, out)

@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from repro.config.model import Configuration
 from repro.exhibits import style
 from repro.exhibits.declare import Inputs, figure, table
 from repro.exhibits.markup import Block, Column, Table, digits, formula, grid, number, plain, with_unit, words
@@ -15,7 +16,6 @@ from repro.exhibits.result_tables import heading_of, methods_of, percent_interva
 from repro.files import read_csv
 from repro.identification.method import BASELINES
 from repro.model.parameters import NAMES, UNITS
-from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
 
@@ -65,7 +65,7 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
 
 
 @_table("Do the intervals of the network cover", coverage_layout, inputs=("coverage",))
-def coverage_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def coverage_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Shares of simulated arms whose true parameters lie in the intervals of the network of closed-loop motions, before
     and after calibration on other arms: on arms of Eq. 1, on arms with unmodelled torque, and on arms of another
     generator. The last row is for all nine parameters at once.
@@ -91,7 +91,7 @@ def intervals_layout(frame: pd.DataFrame) -> Table:
 
 
 @_table("The arm's parameters with the network's intervals", intervals_layout, inputs=("coverage",))
-def intervals(inputs: Inputs, _: Config) -> pd.DataFrame:
+def intervals(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Parameters of the simulated arm with the calibrated intervals of the network of tracked motions, and whether its
     recording is like the training motions.
     """
@@ -117,7 +117,7 @@ def draw_coverage(frame: pd.DataFrame) -> Figure:
 
 
 @_figure("Levels at which intervals reach the truth", draw_coverage, inputs=("coverage",))
-def coverage_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+def coverage_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Calibration of the network's intervals on simulated arms with torque beyond Eq. 1: for each level, the share of
     arms whose true parameter the interval covers, minus the level. Dashed or solid lines are the range of the estimates
     from random guesses, and the interval calibrated on other arms. Zero is right, below is too narrow, above too wide.
@@ -158,7 +158,7 @@ def verdict_layout(frame: pd.DataFrame) -> Table:
 
 
 @_table("Algorithm 1 against the field's methods", verdict_layout, inputs=("spread",))
-def verdict(inputs: Inputs, _: Config) -> pd.DataFrame:
+def verdict(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Algorithm 1, its variants and their control against least squares, plain, bounded and consistent. Each accepted
     experiment counts once, with its mean total over T1 to T4 and both joints: the number of those on which a method is
     better, the difference of the two methods with its interval, and the conclusion.
@@ -198,7 +198,7 @@ def draw_spread(frame: pd.DataFrame) -> Figure:
 
 
 @_figure("Similarity over the accepted experiments", draw_spread, inputs=("spread",))
-def spread_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+def spread_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity on every experiment that the printed numbers do not rule out, by motion, joint and method; the
     bars are the medians.
     """

@@ -18,6 +18,8 @@ from repro.cnn.architecture import HISTORY_COLUMNS, read_weights
 from repro.cnn.dataset import sample_motion
 from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
+from repro.config.model import Configuration
+from repro.config.sections import data_settings
 from repro.exhibits import style
 from repro.exhibits.declare import Inputs, figure, table
 from repro.exhibits.markup import layout, words
@@ -25,9 +27,7 @@ from repro.exhibits.panels import JOINTS, TIME, curves_of, draw_losses, long_tab
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
-from repro.pipeline.job import Config
 from repro.pipeline.stored_networks import architecture
-from repro.settings import data_settings, network_settings, signal_settings, training_settings
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 
@@ -47,9 +47,9 @@ _NETWORK = ("signals", "network")
     category="Model",
     sections=(*_NETWORK, "training"),
 )
-def table03(_: Inputs, config: Config) -> pd.DataFrame:
+def table03(_: Inputs, config: Configuration) -> pd.DataFrame:
     """Features of the CNN and its training, rebuilt from Section IV-B (the paper's Table 3 is an image)."""
-    network, training = network_settings(config), training_settings(config)
+    network, training = config.network, config.training
     layers = architecture(network)
     rows = [("Input", f"{network.image_size} x {network.image_size} x 2"), ("Output", "9 parametric residuals")]
     for row in layers[layers["kind"] != "input"].to_dict("records"):
@@ -151,11 +151,11 @@ def draw_network(frame: pd.DataFrame) -> Figure:
 
 
 @_model("Architecture of the CNN", draw_network, sections=_NETWORK)
-def fig07(_: Inputs, config: Config) -> pd.DataFrame:
+def fig07(_: Inputs, config: Configuration) -> pd.DataFrame:
     """Architecture of the CNN with every size (Fig. 7). The widths of layers 4 and 5 are not in the paper's text; ours
     are in the configuration.
     """
-    return architecture(network_settings(config))
+    return architecture(config.network)
 
 
 _LETTERS = "abcdefghi"
@@ -192,19 +192,19 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
 
 
 @_training_data("Images of the training data", draw_examples)
-def fig08(_: Inputs, config: Config) -> pd.DataFrame:
+def fig08(_: Inputs, config: Configuration) -> pd.DataFrame:
     """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
     range (Fig. 8). Images with the same letter share their torque.
     """
-    signals, data = signal_settings(config), data_settings(config)
-    rng, count = stream(training_settings(config).seed, Stream.EXAMPLES), len(_LETTERS)
-    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    signals, data = config.signals, data_settings(config)
+    rng, count = stream(config.training.seed, Stream.EXAMPLES), len(_LETTERS)
+    motion = sample_motion(identification_trajectory(signals.duration_s, signals.sampling_period_s), signals)
     beta = sample_beta(rng, count, data.prior)
     tau = rebuild_torque(motion.torque, beta)
     largest = np.abs(tau).max((-2, -1), keepdims=True)
     alpha = tau / largest
-    guesses = {"Mp": beta / largest[:, 0], "Mn": rng.uniform(data.guess.low, data.guess.high, (count, 9))}
-    row, column = np.indices((signals.samples, signals.samples)).reshape(2, -1)
+    guesses = {"Mp": beta / largest[:, 0], "Mn": rng.uniform(data.guess_low, data.guess_high, (count, 9))}
+    row, column = np.indices((signals.image_samples, signals.image_samples)).reshape(2, -1)
     frames = []
     for kind, guess in guesses.items():
         u, v = image_factors(alpha, 2 * alpha - rebuild_torque(motion.model, guess), data.image)
@@ -233,14 +233,14 @@ def draw_torque_distribution(frame: pd.DataFrame) -> Figure:
 
 
 @_training_data("Distribution of the training torques", draw_torque_distribution)
-def fig09(_: Inputs, config: Config) -> pd.DataFrame:
+def fig09(_: Inputs, config: Configuration) -> pd.DataFrame:
     """Distribution of 10,000 training torques, each divided by its largest magnitude (Fig. 9)."""
-    signals, data = signal_settings(config), data_settings(config)
-    rng = stream(training_settings(config).seed, Stream.TRAINING_ARMS)
-    motion = sample_motion(identification_trajectory(signals.duration, signals.h), signals)
+    signals, data = config.signals, data_settings(config)
+    rng = stream(config.training.seed, Stream.TRAINING_ARMS)
+    motion = sample_motion(identification_trajectory(signals.duration_s, signals.sampling_period_s), signals)
     tau = rebuild_torque(motion.torque, sample_beta(rng, 10_000, data.prior))
     tau = tau / np.abs(tau).max((-2, -1), keepdims=True)
-    time = (np.arange(signals.samples) + 0.5) * signals.duration / signals.samples
+    time = (np.arange(signals.image_samples) + 0.5) * signals.duration_s / signals.image_samples
     levels = {f"p{p:02d}": np.percentile(tau, p, axis=0) for p in (5, 25, 50, 75, 95)}
     levels["mean"] = tau.mean(0)
     return long_table((f"joint{j + 1}", name, time, y[j]) for j in (0, 1) for name, y in levels.items())
@@ -252,7 +252,7 @@ def fig09(_: Inputs, config: Config) -> pd.DataFrame:
     inputs=("history",),
     trained="all",
 )
-def fig10(inputs: Inputs, _: Config) -> pd.DataFrame:
+def fig10(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Training and held-out loss of the streamed recipe (Fig. 10)."""
     history = read_csv(inputs["history"][0], HISTORY_COLUMNS).astype(np.float64)
     steps = history["step"].to_numpy()
@@ -312,8 +312,8 @@ def draw_kernels(frame: pd.DataFrame) -> Figure:
 
 
 @_model("Spectra of the kernels", draw_kernels, inputs=("weights",), sections=_NETWORK, trained="all")
-def fig11(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig11(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Power spectra of the convolution kernels after training, each normalised to its largest value, zero frequency in
     the middle (Fig. 11).
     """
-    return kernel_spectra(read_weights(inputs["weights"][0], network_settings(config)))
+    return kernel_spectra(read_weights(inputs["weights"][0], config.network))

@@ -12,6 +12,8 @@ from matplotlib.patches import ConnectionPatch
 from matplotlib.text import Annotation
 
 from repro.cnn.architecture import HISTORY_COLUMNS
+from repro.config.model import Configuration
+from repro.config.sections import changed, plain
 from repro.exhibits import panels, style
 from repro.exhibits.declare import Declaration, Inputs, Trained, figure, table
 from repro.exhibits.markup import formula, layout, unit, words
@@ -20,9 +22,7 @@ from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.pipeline.identifications import SCORES, motion_of, read_identifications, read_scores
-from repro.pipeline.job import Config
 from repro.pipeline.summary import median_cells, median_seeds, parameter_table
-from repro.settings import numeric_arms, of_network, signal_settings, training_settings
 from repro.signals.dct import dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
 from repro.signals.trajectories import Motion, identification_trajectory
@@ -42,7 +42,7 @@ _ALL = ("N1", "N2", "N3", "N4")
     ),
     category="Model",
 )
-def table02(_: Inputs, __: Config) -> pd.DataFrame:
+def table02(_: Inputs, __: Configuration) -> pd.DataFrame:
     """The nine dynamic parameters, rebuilt from Eq. 1 (the paper's Table 2 is an image)."""
     return pd.DataFrame({"parameter": NAMES, "description": DESCRIPTIONS, "expression": EXPRESSIONS, "unit": UNITS})
 
@@ -106,16 +106,18 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
 
 
 @figure("Subsampling technique", draw_subsampling, category="Signals", sections=_NUMERIC)
-def fig05(_: Inputs, config: Config) -> pd.DataFrame:
+def fig05(_: Inputs, config: Configuration) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
     to 100 bands, and the subsampled torque (Fig. 5 of the paper).
     """
-    signals = signal_settings(config)
-    motion = identification_trajectory(signals.duration, signals.h)
-    x = inverse_dynamics(motion.q, motion.dq, motion.ddq, numeric_arms(config)["N1"])[0]
-    bands, m = spectrum(x), signals.samples
+    signals = config.signals
+    motion = identification_trajectory(signals.duration_s, signals.sampling_period_s)
+    x = inverse_dynamics(motion.q, motion.dq, motion.ddq, config.numeric.arms.N1)[0]
+    bands, m = spectrum(x), signals.image_samples
     k = np.arange(x.size)
-    time_sub = (np.arange(m) + 0.5) * x.size / m * signals.h  # the DCT-II samples the middle of each cell
+    time_sub = (
+        (np.arange(m) + 0.5) * x.size / m * signals.sampling_period_s
+    )  # the DCT-II samples the middle of each cell
     parts = [("signal", "x", motion.time, x), ("spectrum", "kept", k[:m], bands[:m])]
     parts += [("spectrum", "dropped", k[m:], bands[m:]), ("subsampled", "xs", time_sub, dct2sub(x, m))]
     return panels.long_table(parts)
@@ -128,10 +130,10 @@ def motion_curves(motion: Motion) -> pd.DataFrame:
 
 
 @figure("Identification trajectory", panels.draw_motion, category="Signals", sections=("signals",))
-def fig06(_: Inputs, config: Config) -> pd.DataFrame:
+def fig06(_: Inputs, config: Configuration) -> pd.DataFrame:
     """Identification trajectory of Eq. 10 with its exact derivatives (Fig. 6)."""
-    signals = signal_settings(config)
-    return motion_curves(identification_trajectory(signals.duration, signals.h))
+    signals = config.signals
+    return motion_curves(identification_trajectory(signals.duration_s, signals.sampling_period_s))
 
 
 def _parameters(inputs: Inputs, cases: Sequence[str]) -> pd.DataFrame:
@@ -147,19 +149,19 @@ def _similarity_table(title: str, category: str, of_what: str) -> Declaration:
 
 
 @_result_table("Parameters of N1 and N2", partial(parameters, cases=("N1", "N2")), category="Numeric results")
-def table04(inputs: Inputs, _: Config) -> pd.DataFrame:
+def table04(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """True and identified parameters of N1 and N2: median seed and spread over the seeds."""
     return _parameters(inputs, ("N1", "N2"))
 
 
 @_result_table("Parameters of N3 and N4", partial(parameters, cases=("N3", "N4")), category="Numeric results")
-def table05(inputs: Inputs, _: Config) -> pd.DataFrame:
+def table05(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """True and identified parameters of N3 and N4: median seed and spread over the seeds."""
     return _parameters(inputs, ("N3", "N4"))
 
 
 @_similarity_table("Similarity on the identification trajectory", "Numeric results", "from the identified parameters")
-def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
+def table06(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding on the identification trajectory: the median of the seeds
     in each cell and the spread over the seeds. The refinement is an extension of ours; the local search is its control.
     """
@@ -169,7 +171,7 @@ def table06(inputs: Inputs, _: Config) -> pd.DataFrame:
 @_similarity_table(
     "Similarity on the validation trajectory", "Numeric validation", "on the random validation trajectory"
 )
-def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
+def table07(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Similarity on the random validation trajectory: the median of the seeds in each cell and the spread over the
     seeds. The refinement is an extension of ours; the local search is its control.
     """
@@ -177,10 +179,10 @@ def table07(inputs: Inputs, _: Config) -> pd.DataFrame:
 
 
 def _torques(
-    inputs: Inputs, config: Config, trajectory: str, cases: Sequence[str], in_frequency: bool = False
+    inputs: Inputs, config: Configuration, trajectory: str, cases: Sequence[str], in_frequency: bool = False
 ) -> pd.DataFrame:
     """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed."""
-    signals, method = signal_settings(config), "algorithm1"
+    signals, method = config.signals, "algorithm1"
     chosen = median_seeds(read_scores(inputs["scores"]))
     runs = {run["seed"]: run["arms"] for run in read_identifications(inputs["identifications"])}
     parts: list[panels.Curve] = []
@@ -193,7 +195,7 @@ def _torques(
         for j in (0, 1):
             for name, beta in series.items():
                 tau = rebuild_torque(y, np.array(beta))[j]
-                x = np.arange(tau.size) / (2 * tau.size * signals.h) if in_frequency else motion.time
+                x = np.arange(tau.size) / (2 * tau.size * signals.sampling_period_s) if in_frequency else motion.time
                 parts.append((f"{case}/joint{j + 1}", name, x, spectrum(tau) if in_frequency else tau))
     return panels.long_table(parts)
 
@@ -211,7 +213,7 @@ def _torque_figure(
 
 
 @_torque_figure("Torques of N1 and N2", "Numeric results", ("N1", "N2"))
-def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig12(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Torques of N1 and N2 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 12).
     """
@@ -219,7 +221,7 @@ def fig12(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 
 @_torque_figure("Torques of N3 and N4", "Numeric results", ("N3", "N4"))
-def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig13(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Torques of N3 and N4 and their rebuilding from the parameters that Algorithm 1 identified,
     median seed (Fig. 13).
     """
@@ -227,13 +229,13 @@ def fig13(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 
 @_torque_figure("Spectra of the numeric torques", "Numeric results", _ALL, spectra=True, trained="all")
-def fig14(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig14(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """DCT-II spectra of the torques of Fig. 12 and 13 (Fig. 14)."""
     return _torques(inputs, config, "ID", _ALL, in_frequency=True)
 
 
 @_torque_figure("Validation torques", "Numeric validation", _ALL, trained="all")
-def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig15(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Torques on the random validation trajectory and their rebuilding, median seed (Fig. 15)."""
     return _torques(inputs, config, "validation", _ALL)
 
@@ -241,14 +243,14 @@ def fig15(inputs: Inputs, config: Config) -> pd.DataFrame:
 @_of_runs(
     "Validation trajectory", partial(panels.draw_motion, width=style.PAGE), category="Numeric validation", trained="all"
 )
-def fig16(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig16(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Random validation trajectory of the seed that stands for N1 (Fig. 16)."""
     seed = median_seeds(read_scores(inputs["scores"]))["N1", "algorithm1"]
     return motion_curves(motion_of("validation", config, seed))
 
 
 @_torque_figure("Spectra of the validation torques", "Numeric validation", _ALL, spectra=True, trained="all")
-def fig17(inputs: Inputs, config: Config) -> pd.DataFrame:
+def fig17(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """DCT-II spectra of the validation torques (Fig. 17)."""
     return _torques(inputs, config, "validation", _ALL, in_frequency=True)
 
@@ -269,7 +271,7 @@ _table, _figure = (
     ),
     inputs=("paper_recipe",),
 )
-def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def paper_recipe_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Similarity of the literal Algorithm 1 on N1 to N4 (identification trajectory) and on the simulated arm with a
     network trained by the paper's own schedule, 500,000 iterations of one image each, without and with the printed
     ranges of the parameters, and with ours.
@@ -292,12 +294,13 @@ def paper_recipe_table(inputs: Inputs, _: Config) -> pd.DataFrame:
     sections=("training", "networks"),
     trained="all",
 )
-def paper_recipe_figure(inputs: Inputs, config: Config) -> pd.DataFrame:
+def paper_recipe_figure(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Loss on held-out images over the number of images trained on: the paper's own schedule, iterated in full, next to
     ours. Each network is tested on images of the ranges that it is trained on.
     """
     histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
-    batches = {method: training_settings(of_network(config, name)).batch for method, name in _RECIPES.items()}
+    own = {"published": {"training": {}}, **plain(config.networks)}
+    batches = {method: changed(config.training, own[name]["training"]).batch for method, name in _RECIPES.items()}
     return panels.long_table(
         ("loss", name, batches[name] * h["step"].to_numpy(dtype=np.float64), h["test_loss"].to_numpy(dtype=np.float64))
         for name, h in zip(_RECIPES, histories, strict=True)

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from repro.config.model import Configuration
 from repro.exhibits import style
 from repro.exhibits.declare import Inputs, figure, table
 from repro.exhibits.markup import Table, Text, digits, formula, grid, layout, number, plain, scientific, unit, words
@@ -17,7 +18,6 @@ from repro.files import read_csv
 from repro.paper.audit import audit as findings
 from repro.paper.finding import CONSISTENT, VERDICTS
 from repro.paper.published import load_published
-from repro.pipeline.job import Config
 
 _table, _figure = (partial(kind, category="Metric", inputs=("search",)) for kind in (table, figure))
 
@@ -74,7 +74,7 @@ def _listed(frame: pd.DataFrame) -> list[tuple[Text, pd.DataFrame]]:
         blocks=_listed,
     ),
 )
-def metric_search_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def metric_search_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Ranking of candidate formulas of metr2ev by their rms log error against the published Table 7, with the range of
     ranks if one of the four arms is left out.
     """
@@ -102,7 +102,7 @@ def metric_search_table(inputs: Inputs, _: Config) -> pd.DataFrame:
         ("Chosen", "l", _chosen),
     ),
 )
-def metric_motions(inputs: Inputs, _: Config) -> pd.DataFrame:
+def metric_motions(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Random motions of different length and bandwidth: their mean-square torque, the bounds from the published Table 7
     that it satisfies, and the rms log errors of the formulas of metr2ev against that table.
     """
@@ -137,7 +137,7 @@ def draw_candidates(frame: pd.DataFrame) -> Figure:
 
 
 @_figure("Candidates for the metric's formula", draw_candidates)
-def metric_search_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+def metric_search_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """How well candidate formulas of metr2ev explain the Time and Freq. rows of the published Table 7, given the
     published parameters of Tables 4 and 5.
     """
@@ -176,7 +176,7 @@ def size_layout(frame: pd.DataFrame) -> Table:
 
 
 @table("Size of the board in logic", size_layout, category="Method", inputs=("board",))
-def board_size(inputs: Inputs, _: Config) -> pd.DataFrame:
+def board_size(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Size of the board in logic, as Yosys maps it to the paper's FPGA without placing it. A logic element has a
     look-up table of four inputs (LUT4) and a flip-flop, so that the number of elements is between the larger number and
     the sum. The board has two of Decoder, PWM gen and H bridge; (%) is the share of the device. The last rows are IEEE
@@ -261,7 +261,7 @@ def audit_layout(frame: pd.DataFrame) -> Table:
 
 
 @table("Audit of the paper", audit_layout, category="Claims")
-def audit(_: Inputs, __: Config) -> pd.DataFrame:
+def audit(_: Inputs, __: Configuration) -> pd.DataFrame:
     """Every check of the paper against itself: printed numbers and formulas, each with its arithmetic. Our results play
     no part; where the extraction of the paper's text may be at fault, the note says so.
     """

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
+from repro.config.model import Configuration
 from repro.exhibits import style
 from repro.exhibits.declare import Inputs, figure, table
 from repro.exhibits.markup import Block, Column, Table, Text, digits, grid, layout, number, plain
@@ -16,7 +17,6 @@ from repro.exhibits.result_tables import heading_of, methods_of
 from repro.files import read_csv
 from repro.paper.published import load_published
 from repro.pipeline.accepted import GUESSES, SETTINGS
-from repro.pipeline.job import Config
 from repro.signals.programs import PROGRAMS, SPAN
 
 _matching = partial(table, category="Ablation", inputs=("matching",), optional=True)
@@ -59,7 +59,7 @@ def hypotheses_layout(frame: pd.DataFrame) -> Table:
 
 
 @_matching("Hypotheses on the experiment", hypotheses_layout)
-def hypotheses(inputs: Inputs, _: Config) -> pd.DataFrame:
+def hypotheses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Hypotheses on the experiment that were tried with each other, by how many starts of the search end in an
     experiment that the printed numbers of least squares, the torque bounds and the tracking do not rule out.
     """
@@ -81,7 +81,7 @@ def unknowns_layout(frame: pd.DataFrame) -> Table:
 
 
 @_matching("Unknowns of the accepted experiments", unknowns_layout)
-def unknowns(inputs: Inputs, _: Config) -> pd.DataFrame:
+def unknowns(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """What the printed numbers determine of the experiment, and what they leave open: the unknowns over all accepted
     experiments.
     """
@@ -170,7 +170,7 @@ def _wins(row: Mapping[Hashable, Any]) -> Text:
 
 
 @_table("Algorithm 1 over the accepted experiments", accepted_layout)
-def accepted_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def accepted_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Algorithm 1 by its number of guesses, and least squares, over the experiments that the printed numbers do not
     rule out: whether the published totals are within what these experiments give, and in how many of them Algorithm 1
     is above plain least squares on T1 to T4.
@@ -226,7 +226,7 @@ def cells_layout(frame: pd.DataFrame) -> Table:
 
 
 @_table("Cells of Table 10 over the accepted experiments", cells_layout)
-def accepted_cells(inputs: Inputs, _: Config) -> pd.DataFrame:
+def accepted_cells(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Each cell of Table 10 over the experiments that the printed numbers do not rule out: median and range of each
     method within each budget of guesses, next to the published total.
     """
@@ -273,7 +273,7 @@ def medians(means: pd.DataFrame) -> pd.DataFrame:
 
 
 @_figure("Similarity by the number of guesses", draw_guesses)
-def guesses(inputs: Inputs, _: Config) -> pd.DataFrame:
+def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
     that the printed numbers do not rule out (thin lines) and their median; the median with one seed of those with the
     largest number; levels of least squares over the same experiments, and the published level of Algorithm 1.

@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
+from repro.config.model import Configuration
 from repro.errors import InputError
 from repro.exhibits import style
 from repro.exhibits.arm_drawing import Point, arrow, draw_arm, hanging_arm
@@ -25,7 +26,6 @@ from repro.exhibits.markup import Table, Text, formula, plain
 from repro.files import read_csv
 from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT, SAMPLING_PERIOD
 from repro.pipeline.experiment import control_constants, program_settings
-from repro.pipeline.job import Config
 from repro.signals.programs import MEMORY_SAMPLES
 
 _figure = partial(figure, category="Method", inputs=("diagrams",))
@@ -65,7 +65,7 @@ def related_work_table(frame: pd.DataFrame) -> Table:
 
 
 @table("Related work", related_work_table, category="Method", inputs=("diagrams",))
-def table01(_: Inputs, __: Config) -> pd.DataFrame:
+def table01(_: Inputs, __: Configuration) -> pd.DataFrame:
     """Related work and this article, rebuilt from Section I-A (the paper's Table 1 is an image): robot, degrees of
     freedom, method, what is identified, and whether the text says that an optimised trajectory is needed.
     """
@@ -231,7 +231,7 @@ def draw_diagram(frame: pd.DataFrame, name: str) -> Figure:
 
 
 @_figure("Schematic of the arm", draw_arm)
-def fig01(_: Inputs, __: Config) -> pd.DataFrame:
+def fig01(_: Inputs, __: Configuration) -> pd.DataFrame:
     """Schematic of the two-link arm with the symbols of Eq. 1. The paper's own picture (Fig. 1) is not available to us:
     redrawn from Section II and Eq. 1. The pose is arbitrary; q = 0 hangs straight down and q2 is measured from link 1.
     """
@@ -239,7 +239,7 @@ def fig01(_: Inputs, __: Config) -> pd.DataFrame:
 
 
 @_figure("Hardware blocks of the FPGA", partial(draw_diagram, name="fig02"))
-def fig02(_: Inputs, __: Config) -> pd.DataFrame:
+def fig02(_: Inputs, __: Configuration) -> pd.DataFrame:
     """Hardware blocks of the FPGA and the buses between them. The paper's own picture (Fig. 2) is not available to us:
     redrawn from the text of Section III; the data say for each block and bus which sentence states it. Dotted links and
     words in italics are inferred: that Read Ram reads Ram-FPGA, that the PD uses Fp ops, that the encoders sit on the
@@ -249,7 +249,7 @@ def fig02(_: Inputs, __: Config) -> pd.DataFrame:
 
 
 @_figure("Flow chart of the PD control", partial(draw_diagram, name="fig03"))
-def fig03(_: Inputs, __: Config) -> pd.DataFrame:
+def fig03(_: Inputs, __: Configuration) -> pd.DataFrame:
     """Flow chart of one cycle of the PD control with its saturation. The paper's own picture (Fig. 3) is not available
     to us: redrawn from Section III, Eq. 2 and its caption, L1 = L2 = 1023. Dotted arrows and words in italics are
     inferred; L1 and L2 are read as the limits of joints 1 and 2 in both directions.
@@ -258,7 +258,7 @@ def fig03(_: Inputs, __: Config) -> pd.DataFrame:
 
 
 @_figure("Identification method", partial(draw_diagram, name="fig04"))
-def fig04(_: Inputs, __: Config) -> pd.DataFrame:
+def fig04(_: Inputs, __: Configuration) -> pd.DataFrame:
     """General diagram of the identification method with its nine steps. The paper's own picture (Fig. 4) is not
     available to us: redrawn from Section IV; the way back from the decision to a new guess is that of Algorithm 1.
     """
@@ -284,7 +284,7 @@ def draw_setup(frame: pd.DataFrame) -> Figure:
 
 
 @figure("Experimental set-up", draw_setup, category="Experiment (simulated)", inputs=("diagrams",), sections=ARM)
-def fig18(_: Inputs, config: Config) -> pd.DataFrame:
+def fig18(_: Inputs, config: Configuration) -> pd.DataFrame:
     """The simulated experimental set-up: the real acquisition program, the serial device it opens, the simulated FPGA
     board with its blocks, the simulated motors, and the two-link arm (Fig. 18 of the paper is a photograph of the real
     one).

@@ -7,13 +7,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from repro.config.model import Configuration
 from repro.exhibits import style
 from repro.exhibits.declare import Inputs, figure, table
 from repro.exhibits.markup import Cell, Column, Table, digits, grid, layout, plain, words
 from repro.exhibits.panels import plot_deviation
 from repro.exhibits.result_tables import percent_interval
 from repro.files import read_csv
-from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.study import analysis
 from repro.study.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
@@ -78,7 +78,7 @@ def _outcomes(inputs: Inputs) -> pd.DataFrame:
         blocks=lambda frame: [(plain(f"Prior: {name}"), own) for name, own in frame.groupby("prior", sort=False)],
     ),
 )
-def study_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def study_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Similarity, errors, coverage and contraction of every method, averaged over the conditions of the study."""
     return analysis.means(_outcomes(inputs))
 
@@ -102,7 +102,7 @@ def _claims_layout(name: str, sentence: Cell) -> Callable[[pd.DataFrame], Table]
 
 
 @_table("Claims over many conditions", _claims_layout("Claim", words("sentence")))
-def study_claims(inputs: Inputs, _: Config) -> pd.DataFrame:
+def study_claims(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Each claim of the paper over many simulated arms and conditions, with an interval and a verdict."""
     return analysis.claims(_outcomes(inputs))
 
@@ -111,7 +111,7 @@ def study_claims(inputs: Inputs, _: Config) -> pd.DataFrame:
     "What was expected of the study",
     _claims_layout("Expectation", lambda row: plain(f"{row['claim']}. {row['sentence']}")),
 )
-def study_expectations(inputs: Inputs, _: Config) -> pd.DataFrame:
+def study_expectations(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Each expectation that was written down before the study was run, with an interval and a verdict. The last one is
     about the share of parameters in intervals, in points.
     """
@@ -145,7 +145,7 @@ def levels_layout(frame: pd.DataFrame) -> Table:
 
 
 @_table("Where the claims are true", levels_layout)
-def study_levels(inputs: Inputs, _: Config) -> pd.DataFrame:
+def study_levels(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Differences behind the claims by motion, discrepancy, prior and friction, with the number of conditions in which
     they are surely positive or negative.
     """
@@ -183,7 +183,7 @@ def draw_map(frame: pd.DataFrame) -> Figure:
 
 
 @_figure("Where each method is better", draw_map)
-def study_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+def study_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
     discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
     better. Below each number: in how many of these conditions the interval excludes zero. The CSV has each condition
@@ -213,7 +213,7 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
 
 
 @_figure("Are the claimed distributions right", draw_calibration)
-def study_calibration(inputs: Inputs, _: Config) -> pd.DataFrame:
+def study_calibration(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Simulation-based calibration: distribution of the probability that a claimed distribution gives to values below
     the true parameter, and of the share of its draws that lie nearer to a random point than the truth does (TARP),
     minus a uniform one. A right claim stays in the band with 95 %.

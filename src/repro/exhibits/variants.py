@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from repro.cnn.architecture import HISTORY_COLUMNS
+from repro.config.model import Configuration
 from repro.documents import read_json
 from repro.exhibits import style
 from repro.exhibits.declare import ARM, Inputs, figure, table
@@ -19,7 +20,6 @@ from repro.files import read_csv
 from repro.pipeline import interpretations, summary
 from repro.pipeline.experiment import read_recordings
 from repro.pipeline.identifications import read_identifications
-from repro.pipeline.job import Config
 from repro.signals.programs import SPAN
 
 _table, _figure = (partial(kind, category="Ablation", trained="all", optional=True) for kind in (table, figure))
@@ -42,7 +42,7 @@ _MEANS = ("N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to
     inputs=("headline",),
     sections=(*ARM, "metric", "numeric"),
 )
-def both_metrics(inputs: Inputs, config: Config) -> pd.DataFrame:
+def both_metrics(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """The headline rows of the numeric tests and of the simulated arm under both time factors of metr2ev, from the same
     estimates.
     """
@@ -83,7 +83,7 @@ _LOSS = Text(r"Loss~($10^{-4}$)", "Loss (10\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT F
     ),
     inputs=("readings",),
 )
-def ablation_table(inputs: Inputs, _: Config) -> pd.DataFrame:
+def ablation_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Headline numbers under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4 and on the
     simulated arm (medians of the seeds), and the mean over T1 to T4 of the simulated arm for the refined Algorithm 1,
     least squares and the true parameters. Losses under different labels or images do not compare with each other.
@@ -181,7 +181,7 @@ def _plot_panel(axes: Axes, values: pd.DataFrame, quantities: dict[str, tuple[st
 
 
 @_figure("Headline numbers by reading", draw_readings, inputs=("ablation",))
-def ablation_figure(inputs: Inputs, _: Config) -> pd.DataFrame:
+def ablation_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Mean total similarity under each reading of what the paper leaves open: the literal Algorithm 1 on N1 to N4
     (left), on the simulated arm's identification run and on the validation motions (middle), and on the validation
     motions the refined Algorithm 1, least squares and the true parameters (right). Vertical lines are the default

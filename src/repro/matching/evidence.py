@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from repro.config.model import Configuration
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import Regression
 from repro.matching.compiled import record
@@ -33,8 +34,6 @@ from repro.pipeline.experiment import (
     program_settings,
     true_parameters,
 )
-from repro.pipeline.job import Config
-from repro.settings import signal_settings
 from repro.signals.metric import PUBLISHED_METRIC, Similarity, metr2ev
 from repro.signals.programs import PROGRAMS, peaks, reference_trajectory
 from repro.streams import Stream, stream
@@ -88,9 +87,9 @@ class Motion:
     peak: Array  # largest needed speed and torque of both joints over their limits (4,)
 
 
-def record_motion(experiment: Config, name: str) -> Motion:
+def record_motion(experiment: Configuration, name: str) -> Motion:
     """Simulate one recording of an experiment; of T1 the first motion that its seed draws, whatever its limits."""
-    rng = stream(experiment["experiment"]["seed"], Stream.RANDOM_MOTION)
+    rng = stream(experiment.experiment.seed, Stream.RANDOM_MOTION)
     program = reference_trajectory(name, program_settings(experiment), rng)
     beta, control, (effects, phase) = (
         true_parameters(experiment),
@@ -103,14 +102,14 @@ def record_motion(experiment: Config, name: str) -> Motion:
     )
 
 
-def motion_of(recording: Recording, experiment: Config) -> Motion:
+def motion_of(recording: Recording, experiment: Configuration) -> Motion:
     """Evaluate a recording."""
     program = recording.program
     (torque_limit, speed_limit), (speed, torque) = limits(experiment), peaks(program, true_parameters(experiment))
     proper = slice(program.n1, program.n2)
     tracking = 100.0 * metr2ev(program.q[:, proper], recording.q[:, proper]).total
     peak = np.concatenate([speed / speed_limit, torque / np.array(torque_limit)])
-    return Motion(recording.regression(signal_settings(experiment)), tracking, peak)
+    return Motion(recording.regression(experiment.signals), tracking, peak)
 
 
 @dataclass(frozen=True)
@@ -189,7 +188,7 @@ class Outcome:
         )
 
 
-def outcome_of(values: Mapping[Hashable, Any], order: TrackingOrder, config: Config) -> Outcome:
+def outcome_of(values: Mapping[Hashable, Any], order: TrackingOrder, config: Configuration) -> Outcome:
     """Simulate an experiment on all motions."""
     experiment = experiment_config(values, config)
     return Outcome({name: record_motion(experiment, name) for name in PROGRAMS}, order)

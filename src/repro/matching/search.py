@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
+from repro.config.model import Configuration
 from repro.documents import read_json
 from repro.matching.evidence import Motion, Outcome, outcome_of, printed, published, record_motion
 from repro.matching.unknowns import HYPOTHESES, Hypothesis
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.accepted import SETTINGS, experiment_config
-from repro.pipeline.job import Config
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
 
@@ -34,7 +34,7 @@ MAX_EVALUATIONS, MIN_CHANGE = 40, 3e-3
 class Problem:
     """Misfit of one start; the recording of a motion is kept for as long as only other motions change."""
 
-    def __init__(self, config: Config, hypothesis: Hypothesis, rng: np.random.Generator) -> None:
+    def __init__(self, config: Configuration, hypothesis: Hypothesis, rng: np.random.Generator) -> None:
         self._config, self._hypothesis = config, hypothesis
         phase1, phase2 = (float(f"{x:.6g}") for x in rng.uniform(0.0, 2.0 * np.pi, 2))
         self._drawn = {"ripple_phase1": phase1, "ripple_phase2": phase2, "seed": int(rng.integers(1, 2**31))}
@@ -74,7 +74,7 @@ class Problem:
         return self.terms(place - 1.0)
 
 
-def fit(config: Config, hypothesis: Hypothesis, seed: int, start: int) -> dict[str, Any]:
+def fit(config: Configuration, hypothesis: Hypothesis, seed: int, start: int) -> dict[str, Any]:
     """Fit from the best of random draws by a trust-region method within the ranges; gives the experiment's columns."""
     rng = stream(seed, Stream.MATCHING, HYPOTHESES.index(hypothesis), start)
     problem = Problem(config, hypothesis, rng)
@@ -103,12 +103,12 @@ def fit(config: Config, hypothesis: Hypothesis, seed: int, start: int) -> dict[s
     }
 
 
-def fit_start(hypothesis: int, start: int, config: Config) -> dict[str, Any]:
+def fit_start(hypothesis: int, start: int, config: Configuration) -> dict[str, Any]:
     """Columns of one start's experiment."""
-    return fit(config, HYPOTHESES[hypothesis], config["matching"]["seed"], start)
+    return fit(config, HYPOTHESES[hypothesis], config.matching.seed, start)
 
 
-def collect(starts: Sequence[Path], config: Config) -> list[pd.DataFrame]:
+def collect(starts: Sequence[Path], config: Configuration) -> list[pd.DataFrame]:
     """All starts, the accepted experiments with the smallest misfit first, and their misfit in each number."""
     rows = pd.DataFrame([read_json(path) for path in starts])
     accepted = rows[rows["accepted"]].sort_values("misfit", kind="stable", ignore_index=True)
@@ -118,7 +118,7 @@ def collect(starts: Sequence[Path], config: Config) -> list[pd.DataFrame]:
     return [rows, table, pd.concat(misfits, ignore_index=True)]
 
 
-def misfit_table(values: Mapping[Hashable, Any], config: Config) -> pd.DataFrame:
+def misfit_table(values: Mapping[Hashable, Any], config: Configuration) -> pd.DataFrame:
     """Each number of an experiment next to the printed one, with its term of the misfit."""
     outcome, target = outcome_of(values, values["tracking"], config), printed()
     track = target.tracking if values["tracking"] == "printed" else target.tracking[::-1]

@@ -6,14 +6,14 @@ import logging
 import math
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from repro.comparison import Tolerances, differences
+from repro.config.model import Configuration
 from repro.documents import read_bytes
 from repro.errors import InputError
 from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text
@@ -49,7 +49,7 @@ ASSERTED = ("abstract/numeric/total", f"abstract/numeric/total{REFINED.suffix}")
 _REFUTED = {"appendix/sine": "appendix/domain"}
 
 
-def our_values(published: Published, config: Mapping[str, Any], results: Results) -> dict[str, OurValue]:
+def our_values(published: Published, config: Configuration, results: Results) -> dict[str, OurValue]:
     """Compute our value of every published number that is the paper's own."""
     audit = findings(published)
     found = {finding.id: finding.found for finding in audit}
@@ -89,7 +89,7 @@ def _sentence(finding: Finding) -> str:
     return f"{finding.arithmetic}. {finding.note}".removesuffix(". ").rstrip(".")
 
 
-def compute(published: Published, config: Mapping[str, Any], results: Results) -> pd.DataFrame:
+def compute(published: Published, config: Configuration, results: Results) -> pd.DataFrame:
     """Compute the ledger from its sources."""
     return judge_all(published, our_values(published, config, results))
 
@@ -182,15 +182,18 @@ def changed_sources(path: Path, root: Path = Path(), stored: Iterable[Path] = ()
     return problems
 
 
-def _stored_folders(config: Mapping[str, Any]) -> list[Path]:
+def _stored_folders(config: Configuration) -> list[Path]:
     """List the folders of the project that a run reads instead of measuring or training."""
-    places = ((config["experiment"], "captures"), (config["training"], "networks"))
-    return [Path(section[folder]) for section, folder in places if section["source"] == "stored"]
+    places = (
+        (config.experiment.source, config.experiment.captures),
+        (config.training.source, config.training.networks),
+    )
+    return [Path(folder) for source, folder in places if source == "stored"]
 
 
 def write_ledger(
     results: Path,
-    config: Mapping[str, Any],
+    config: Configuration,
     files: Sequence[Path],
     root: Path = Path(),
     *,
@@ -205,9 +208,7 @@ def write_ledger(
     write_sources(results / SOURCES, files, [*folders, *_stored_folders(config)], root)
 
 
-def verify_ledger(
-    results: Path, config: Mapping[str, Any], root: Path = Path()
-) -> tuple[pd.DataFrame | None, list[str]]:
+def verify_ledger(results: Path, config: Configuration, root: Path = Path()) -> tuple[pd.DataFrame | None, list[str]]:
     """Check every source of a ledger, compute it again and compare it with the file, cell by cell."""
     table, page = _text(results / CLAIMS), _text(results / PAGE)
     problems = changed_sources(results / SOURCES, root, _stored_folders(config))
@@ -262,7 +263,7 @@ def _text(path: Path) -> str:
         raise InputError.at(str(path), "bytes that are not UTF-8", expected) from error
 
 
-def verified(results: Path, config: Mapping[str, Any]) -> str:
+def verified(results: Path, config: Configuration) -> str:
     """Summarise a ledger that follows from its sources; if the configuration enforces it, asserted claims must hold."""
     claims, problems = verify_ledger(results, config)
     for problem in problems:
@@ -271,7 +272,7 @@ def verified(results: Path, config: Mapping[str, Any]) -> str:
         found = f"{len(problems)} disagreements with its sources, named above"
         raise InputError.at(f"{results}: ledger", found, "none")
     lines, failed = summary(claims), len(broken(claims))
-    if failed and config["claims"]["enforce"]:
+    if failed and config.claims.enforce:
         for line in lines:
             _LOG.error("%s", line)
         raise InputError.at(f"{results}/claims.csv: asserted", f"{failed} claims that fail", "none")

@@ -9,13 +9,13 @@ The paper prints the filter of its random trajectory (Eq. 14), but neither the u
 trajectory: the search covers the `MOTIONS`. Checks that need no random motion follow the search.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from repro.config.model import Configuration
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.paper.metric_candidates import CANDIDATES, Factor, Pair
@@ -100,10 +100,10 @@ def score_candidates(motion: Motion, published: Published) -> Array:
     return score_torques(*_torques(motion, published))
 
 
-def search_metric(config: Mapping[str, Any]) -> list[pd.DataFrame]:
+def search_metric(config: Configuration) -> list[pd.DataFrame]:
     """Make the tables of the search and of the checks, in the order of the rule's files."""
-    settings, published = config["metric_search"], load_published()
-    scores = score_motions(published, settings["seed"], settings["repeats"])
+    settings, published = config.metric_search, load_published()
+    scores = score_motions(published, settings.seed, settings.repeats)
     checks = composition, abstract_check, pair_bounds, torque_bounds, least_squares_torque
     return [rank_candidates(scores), compare_motions(scores), *(check(published) for check in checks)]
 

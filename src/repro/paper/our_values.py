@@ -18,7 +18,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -26,6 +25,8 @@ import pandas as pd
 from repro.cnn import architecture, image, priors
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.comparison import LEDGER
+from repro.config.model import Configuration
+from repro.config.sections import plain
 from repro.errors import InputError
 from repro.files import read_rows
 from repro.fpga import frames
@@ -45,11 +46,11 @@ MODULES: dict[str, ModuleType] = {
 }
 
 
-def _first_key(expression: str, config: Mapping[str, Any]) -> str:
+def _first_key(expression: str) -> str:
     """Return the first key of the configuration in an expression, without indices of list items."""
     dotted = re.sub(r"\['([\w-]+)'\]", r".\1", expression)
     keys: list[str] = re.findall(r"[a-z][\w-]*(?:\.[\w-]+)+", dotted)
-    return next(key for key in keys if key.partition(".")[0] in config)
+    return next(key for key in keys if key.partition(".")[0] in Configuration.model_fields)
 
 
 SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
@@ -160,9 +161,9 @@ VARIANTS = {"table06": (LISTED, REFINED), "table07": (LISTED, REFINED), "table10
 Values = dict[str, OurValue]
 
 
-def training_note(config: Mapping[str, Any]) -> str:
+def training_note(config: Configuration) -> str:
     """Name what differs from the paper in the network's training; empty if nothing does."""
-    own = {"ranges": config["data"]["prior"] != "published", "schedule": config["training"]["recipe"] != "paper"}
+    own = {"ranges": config.data.prior != "published", "schedule": config.training.recipe != "paper"}
     differing = " and ".join(what for what, differs in own.items() if differs)
     return f"training {differing} of the network: ours" if differing else ""
 
@@ -174,7 +175,7 @@ def _score(score: OurValue, variant: Variant, *notes: str) -> OurValue:
     return replace(score, basis=basis, cause=cause, note="; ".join(filter(None, (*notes, variant.note))))
 
 
-def _similarity(number: PublishedValue, results: Results, config: Mapping[str, Any]) -> Values:
+def _similarity(number: PublishedValue, results: Results, config: Configuration) -> Values:
     """Cell of Table 7 or 10."""
     table, case, joint = number.id.partition("/")[0], number.case, number.joint or 0
     note = training_note(config) if table == "table07" else ""
@@ -186,7 +187,7 @@ def _similarity(number: PublishedValue, results: Results, config: Mapping[str, A
     return values
 
 
-def _parameter(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+def _parameter(number: PublishedValue, results: Results, _: Configuration) -> Values:
     """Cell of Table 4 or 5."""
     table, run = number.id.partition("/")[0], {"case": number.case, "method": ALGORITHM}
     file, row = f"tables/{table}.csv", {**run, "parameter": number.parameter}
@@ -202,13 +203,13 @@ def _parameter(number: PublishedValue, results: Results, _: Mapping[str, Any]) -
     return {"": replace(ours, equivalent=equivalent, cap=cap, better=nearer)}
 
 
-def _tracking(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+def _tracking(number: PublishedValue, results: Results, _: Configuration) -> Values:
     """Cell of Table 8, to which arm and duration of ID are matched."""
     value = results.similarity("table08", "tracking", "pd", number.joint or 0)
     return {"": replace(value, basis=Basis.CONSTRUCTION, cause="lag of the gains")}
 
 
-def _mean(number: PublishedValue, results: Results, config: Mapping[str, Any]) -> Values:
+def _mean(number: PublishedValue, results: Results, config: Configuration) -> Values:
     """Mean of the eight totals of Table 6."""
     means = {variant: results.mean_total("table06", variant.method, NUMERIC_CASES) for variant in VARIANTS["table06"]}
     values = {}
@@ -221,7 +222,7 @@ def _mean(number: PublishedValue, results: Results, config: Mapping[str, Any]) -
     return values
 
 
-def _extreme(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+def _extreme(number: PublishedValue, results: Results, _: Configuration) -> Values:
     """Smallest total of ID, or largest total of the validation motions, in Table 10."""
     cases, choose = (("ID",), min) if number.ours.endswith("smallest") else (VALIDATION_CASES, max)
     values = {}
@@ -232,7 +233,7 @@ def _extreme(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> 
     return values
 
 
-def _stability(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+def _stability(number: PublishedValue, results: Results, _: Configuration) -> Values:
     """Number of Appendix A for the arm behind the simulated board."""
     file, (quantity, column) = "tables/stability.csv", number.ours.rpartition(":")[2].split(".")
     names = results.rows(file, method="appendix")["quantity"]
@@ -241,7 +242,7 @@ def _stability(number: PublishedValue, results: Results, _: Mapping[str, Any]) -
     return {"": OurValue(value, "stability", note=number.note)}
 
 
-def _board(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+def _board(number: PublishedValue, results: Results, _: Configuration) -> Values:
     """Number of the board in logic: exact, or the middle of the bounds of its synthesis."""
     block, quantity = number.ours.rpartition(":")[2].split(".")
     row = {"block": block, "quantity": quantity}
@@ -252,15 +253,15 @@ def _board(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Va
     return {"": OurValue(middle, "board_size", bounds=most - middle, strict=strict, cause=cause, note=note)}
 
 
-def _loss(number: PublishedValue, results: Results, config: Mapping[str, Any]) -> Values:
+def _loss(number: PublishedValue, results: Results, config: Configuration) -> Values:
     """Held-out loss at the end of the training."""
     file, note = "model/training.csv", number.note
     loss = results.number(file, "test_loss", step=results.frames[file]["step"].iloc[-1])
-    unused = config["training"]["recipe"] != "paper"  # the loss of other samples and another schedule
+    unused = config.training.recipe != "paper"  # the loss of other samples and another schedule
     return {"": OurValue(loss, "training", Basis.NUMERIC, better=lower, strict=True, unused=unused, note=note)}
 
 
-def _parameter_ratio(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+def _parameter_ratio(number: PublishedValue, results: Results, _: Configuration) -> Values:
     """Ratio of parameters of Table 9, which Section V-C states in words."""
 
     def estimates(method: str) -> dict[str, float]:
@@ -281,14 +282,14 @@ def _parameter_ratio(number: PublishedValue, results: Results, _: Mapping[str, A
     return {"": OurValue(ratio, "table09", basis, strict=True, cause=LISTED.cause)}
 
 
-def _total_ratio(number: PublishedValue, results: Results, _: Mapping[str, Any]) -> Values:
+def _total_ratio(number: PublishedValue, results: Results, _: Configuration) -> Values:
     """Total of least squares over that of Algorithm 1 for joint 1 of ID."""
     least_squares, ours = (results.similarity("table10", "ID", name, 1).value for name in (LEAST_SQUARES, ALGORITHM))
     ratio = _ratio(least_squares, ours)
     return {"": OurValue(ratio, "table10", Basis.ARM, strict=True, cause=LISTED.cause, note=number.note)}
 
 
-def _validation_ratio(_: PublishedValue, results: Results, __: Mapping[str, Any]) -> Values:
+def _validation_ratio(_: PublishedValue, results: Results, __: Configuration) -> Values:
     """Mean total of Algorithm 1 over that of least squares: the paper's central claim."""
     baseline = results.mean_total("table10", LEAST_SQUARES, VALIDATION_CASES).value
     values = {}
@@ -307,7 +308,7 @@ def _ratio(a: float, b: float) -> float:
 
 
 #: Sources of numbers in the result files, by their names in the column.
-RESULT_SOURCES: dict[str, Callable[[PublishedValue, Results, Mapping[str, Any]], Values]] = {
+RESULT_SOURCES: dict[str, Callable[[PublishedValue, Results, Configuration], Values]] = {
     "board": _board,
     "largest": _extreme,
     "loss": _loss,
@@ -326,7 +327,7 @@ RESULT_SOURCES: dict[str, Callable[[PublishedValue, Results, Mapping[str, Any]],
 def values_of(
     number: PublishedValue,
     published: Published,
-    config: Mapping[str, Any],
+    config: Configuration,
     audit: Mapping[str, float],
     results: Results,
 ) -> Values:
@@ -336,7 +337,7 @@ def values_of(
         return {"": OurValue(math.nan, "", note=number.note)}
     if source == "result":
         return RESULT_SOURCES[expression.partition(":")[0]](number, results, config)
-    module, names = "", {"pi": math.pi, "CIRCLE_RADIUS": validation_motions.CIRCLE_RADIUS, **config}
+    module, names = "", {"pi": math.pi, "CIRCLE_RADIUS": validation_motions.CIRCLE_RADIUS, **plain(config)}
     if source == "const":
         module, _, expression = expression.partition(":")
         names = vars(MODULES[module]) if module in MODULES else {}
@@ -353,6 +354,6 @@ def values_of(
     if source == "const":
         note = "; ".join(filter(None, (number.note, "repro." + module)))
         return {"": OurValue(value, LEDGER, strict=True, note=note)}
-    note = ", ".join(filter(None, (f"config/config.yaml: {_first_key(expression, config)}", number.note)))
-    unused = source == "schedule" and config["training"]["recipe"] != "paper"
+    note = ", ".join(filter(None, (f"config/config.yaml: {_first_key(expression)}", number.note)))
+    unused = source == "schedule" and config.training.recipe != "paper"
     return {"": OurValue(value, LEDGER, strict=True, unused=unused, note=note)}

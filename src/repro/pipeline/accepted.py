@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from repro.config import merged
+from repro.config.model import Configuration
+from repro.config.sections import changed
 from repro.files import read_csv, read_tensors, write_tensors
 from repro.fpga.controller import simulate
 from repro.fpga.plant import Plant
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording, control_constants, disturbance, program_from_config, true_parameters
-from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.programs import PROGRAMS
 
@@ -66,9 +66,9 @@ def settings_of(values: Mapping[Hashable, Any]) -> dict[str, Any]:
     return {"signals": {"frequency_reading": values["unit"]}, "arm": arm, "experiment": experiment}
 
 
-def experiment_config(values: Mapping[Hashable, Any], config: Config) -> dict[str, Any]:
+def experiment_config(values: Mapping[Hashable, Any], config: Configuration) -> Configuration:
     """Configuration of an experiment; board and methods are those of `config`."""
-    return merged(config, settings_of(values))
+    return changed(config, settings_of(values))
 
 
 def read_experiments(path: Path) -> pd.DataFrame:
@@ -82,7 +82,7 @@ def _padded(arrays: list[Array]) -> Array:
     return np.stack([np.pad(q, ((0, 0), (0, longest - q.shape[-1])), mode="edge") for q in arrays])
 
 
-def simulate_accepted(experiments: Path, out: Path, config: Config) -> None:
+def simulate_accepted(experiments: Path, out: Path, config: Configuration) -> None:
     """Simulate every accepted experiment on all motions, as one batch by the quick method, and keep the counts."""
     each = [experiment_config(row, config) for row in read_experiments(experiments).to_dict("records")]
     programs = [program_from_config(one, name) for name in PROGRAMS for one in each]
@@ -99,7 +99,7 @@ class Experiment:
     """One accepted experiment with its recordings."""
 
     number: int
-    config: Config
+    config: Configuration
     recordings: list[Recording]  # of ID, then of T1 to T4
 
     @property
@@ -108,7 +108,7 @@ class Experiment:
         return true_parameters(self.config)
 
 
-def read_accepted(experiments: Path, counts: Path, config: Config) -> list[Experiment]:
+def read_accepted(experiments: Path, counts: Path, config: Configuration) -> list[Experiment]:
     """All accepted experiments with the recordings of `simulate_accepted`."""
     table = read_experiments(experiments).to_dict("records")
     kept, _ = read_tensors(counts, "recordings of the accepted experiments")
@@ -127,10 +127,10 @@ def read_accepted(experiments: Path, counts: Path, config: Config) -> list[Exper
     return found
 
 
-def of_this_unit(experiments: list[Experiment], config: Config) -> list[Experiment]:
+def of_this_unit(experiments: list[Experiment], config: Configuration) -> list[Experiment]:
     """Those with the unit of omega that the configuration has, so that its networks read them."""
-    unit = config["signals"]["frequency_reading"]
-    return [one for one in experiments if one.config["signals"]["frequency_reading"] == unit]
+    unit = config.signals.frequency_reading
+    return [one for one in experiments if one.config.signals.frequency_reading == unit]
 
 
 def experiment_units(path: Path) -> dict[int, str]:

@@ -12,12 +12,12 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from repro.config.model import Configuration
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.search import ResidualEstimator
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.pipeline.identifications import prepare_recording, read_mean_torque
-from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.simulated_arms import (
     Draw,
@@ -28,7 +28,6 @@ from repro.pipeline.simulated_arms import (
     training_motion,
 )
 from repro.progress import over
-from repro.settings import signal_settings
 from repro.streams import Stream, stream
 
 #: Sets of test arms: name, whether their torque has more than Eq. 1, and the law they are drawn from. The arms that
@@ -90,14 +89,14 @@ def novelty_limit(training: Array) -> float:
 
 
 def check_coverage(
-    captures: Sequence[Path], weights: Path, motions: Path, mean_torque: Path, trained_as: str, config: Config
+    captures: Sequence[Path], weights: Path, motions: Path, mean_torque: Path, trained_as: str, config: Configuration
 ) -> list[pd.DataFrame]:
     """Calibrate the network of tracked motions on arms beyond Eq. 1 that training never saw, and test it on others.
 
     Shares of arms that intervals cover, distributions of the levels that reach the truth, and intervals of the arm.
     """
-    signals, c = signal_settings(config), config["coverage"]
-    tau_mean, levels = read_mean_torque(mean_torque, signals), tuple(c["levels"])
+    signals, c = config.signals, config.coverage
+    tau_mean, levels = read_mean_torque(mean_torque, signals), tuple(c.levels)
     algorithm1 = for_the_arm(algorithm1_of("tracked", weights, config, trained_as), config)
     search, training = algorithm1.search, training_motion(config, motions).torque
     beyond = novelty_limit(training)
@@ -107,15 +106,15 @@ def check_coverage(
         prepared = [prepare_recording(one, tau_mean, signals, search.image_motion) for one in recordings]
         found = []
         for k, one in enumerate(over(prepared, f"reading {len(prepared)} arms")):
-            rng = stream(c["seed"], Stream.COVERAGE_GUESSES, which, k)
-            guess = rng.uniform(search.low, search.high, (c["guesses"], 9))
+            rng = stream(c.seed, Stream.COVERAGE_GUESSES, which, k)
+            guess = rng.uniform(search.guess_low, search.guess_high, (c.guesses, 9))
             found.append(ResidualEstimator(algorithm1.network, algorithm1.image, one).estimate(guess))
         return prepared, np.stack(found)
 
     def simulated(which: int, effects: bool, draw: Draw) -> tuple[list[Recording], Array, Array]:
         """Recordings of arms, their estimates and their parameters; canonical time is the recorded one here."""
-        rng = stream(c["seed"], Stream.COVERAGE_ARMS, which)
-        program, position, pwm, beta = simulate_arms(config, c["arms"], rng, effects, draw)
+        rng = stream(c.seed, Stream.COVERAGE_ARMS, which)
+        program, position, pwm, beta = simulate_arms(config, c.arms, rng, effects, draw)
         recordings = [Recording.of_counts(program, *both, config) for both in zip(position, pwm, strict=True)]
         prepared, found = read(which, recordings)
         return recordings, found, beta / np.array([[one.torque_scale] for one in prepared])

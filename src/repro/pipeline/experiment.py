@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from repro.config.model import Configuration
 from repro.errors import InputError
 from repro.files import atomic_write
 from repro.fpga.capture import Capture, files_of, read_capture, recording_of, write_capture
@@ -23,102 +24,93 @@ from repro.identification.algorithm1.preprocessing import filtered
 from repro.identification.regression import Regression
 from repro.model.dynamics import ArmGeometry
 from repro.model.parameters import Array
-from repro.pipeline.job import Config
 from repro.progress import Progress
 from repro.signals.dct import SignalSettings
 from repro.signals.programs import (
     PROGRAMS,
-    VALIDATION,
     ReferenceTrajectory,
     TrajectorySettings,
     check_limits,
     permitted_trajectory,
 )
-from repro.signals.validation_motions import Circle, Profile, RandomMotion, Sinusoid
 from repro.streams import Stream, stream
 
 
-def control_constants(config: Config) -> ControlConstants:
+def control_constants(config: Configuration) -> ControlConstants:
     """Gains and motors of the board, from section ``board``."""
-    keys = ("kp_nm_per_rad", "kv_nm_per_rad", "pwm_hz", "full_torque_nm")
-    return ControlConstants(*(tuple(config["board"][key]) for key in keys))
+    b = config.board
+    return ControlConstants(b.kp_nm_per_rad, b.kv_nm_per_rad, b.pwm_hz, b.full_torque_nm)
 
 
-def true_parameters(config: Config) -> Array:
+def true_parameters(config: Configuration) -> Array:
     """Parameters (9,) that the PWM torque of the simulated arm obeys, with its further viscous friction."""
-    beta = np.array(config["arm"]["parameters"], dtype=np.float64)
-    beta[5:7] += config["arm"]["further_viscous_nm_s_per_rad"]
+    beta = np.array(config.arm.parameters, dtype=np.float64)
+    beta[5:7] += config.arm.further_viscous_nm_s_per_rad
     return beta
 
 
-def identification_settings(config: Config) -> TrajectorySettings:
+def identification_settings(config: Configuration) -> TrajectorySettings:
     """Lengths of Eq. 10 as networks are trained on it, from ``signals`` and ``experiment``: not of the arm's ID."""
-    s, e = config["signals"], config["experiment"]
-    lengths = {"duration": s["duration_s"], "h": s["sampling_period_s"]}
-    return TrajectorySettings(**lengths, margin=e["margin_samples"], lead_in=e["lead_in_s"])
-
-
-def program_settings(config: Config) -> TrajectorySettings:
-    """Lengths and shapes of the arm's motions, from sections ``signals``, ``arm`` and ``experiment``."""
-    e = config["experiment"]
-    t1, t2, t3, t4 = (e[name.lower()] for name in VALIDATION)
-    return replace(
-        identification_settings(config),
-        geometry=ArmGeometry(*config["arm"]["link_lengths_m"]),
-        duration=e["duration_s"],
-        t1=RandomMotion(t1["samples"], t1["bands"], t1["range_rad"], t1["range_of"]),
-        t2=Circle(t2["samples"], t2["turns"], t2["centre"]),
-        t3=Profile(t3["samples"], t3["levels"]),
-        t4=Sinusoid(t4["samples"], tuple(t4["amplitude_rad"]), tuple(t4["frequency_hz"])),
+    s, e = config.signals, config.experiment
+    return TrajectorySettings(
+        duration=s.duration_s, h=s.sampling_period_s, margin=e.margin_samples, lead_in=e.lead_in_s
     )
 
 
-def limits(config: Config) -> tuple[tuple[float, float], float]:
+def program_settings(config: Configuration) -> TrajectorySettings:
+    """Lengths and shapes of the arm's motions, from sections ``signals``, ``arm`` and ``experiment``."""
+    e = config.experiment
+    geometry, lengths = ArmGeometry(*config.arm.link_lengths_m), identification_settings(config)
+    return replace(lengths, duration=e.duration_s, geometry=geometry, t1=e.t1, t2=e.t2, t3=e.t3, t4=e.t4)
+
+
+def limits(config: Configuration) -> tuple[tuple[float, float], float]:
     """Torque (N m) that motions may ask of the nominal arm, and speed (rad/s); friction needs the rest."""
-    first, second = config["board"]["full_torque_nm"]
-    share = config["experiment"]["torque_share"]
-    return (share * first, share * second), config["board"]["speed_limit_rad_s"]
+    first, second = config.board.full_torque_nm
+    share = config.experiment.torque_share
+    return (share * first, share * second), config.board.speed_limit_rad_s
 
 
-def check_program(config: Config, program: ReferenceTrajectory) -> None:
+def check_program(config: Configuration, program: ReferenceTrajectory) -> None:
     """Refuse a motion that the arm cannot follow; see `repro.signals.programs.check_limits`."""
     check_limits(program, true_parameters(config), limits(config))
 
 
-def program_from_config(config: Config, name: str, seed: int | None = None) -> ReferenceTrajectory:
+def program_from_config(config: Configuration, name: str, seed: int | None = None) -> ReferenceTrajectory:
     """One of the motions, within what the arm can do; T1 with a seed of its own if there is one."""
     if name not in PROGRAMS:
         raise InputError.at("motion", repr(name), f"one of {', '.join(PROGRAMS)}")
-    rng = stream(config["experiment"]["seed"] if seed is None else seed, Stream.RANDOM_MOTION)
+    rng = stream(config.experiment.seed if seed is None else seed, Stream.RANDOM_MOTION)
     return permitted_trajectory(name, program_settings(config), rng, true_parameters(config), limits(config))
 
 
-def metadata_for(program: ReferenceTrajectory, config: Config) -> CaptureMetadata:
+def metadata_for(program: ReferenceTrajectory, config: Configuration) -> CaptureMetadata:
     """Metadata of a capture of a motion, with the bytes that load it into a board."""
     control = control_constants(config)
     load = encode_program(control, program.q)
     return CaptureMetadata(program.name, program.q.shape[1], program.n1, program.n2, program.h, load, control)
 
 
-def disturbance(config: Config) -> tuple[Unmodelled, Array]:
+def disturbance(config: Configuration) -> tuple[Unmodelled, Array]:
     """What Eq. 1 leaves out of the arm: levels, and phases (2,) of the ripple, rad."""
-    a = config["arm"]
+    a = config.arm
     levels = Unmodelled(
-        stribeck=tuple(a["stribeck"]),
-        stribeck_velocity=a["stribeck_velocity_rad_s"],
-        ripple=tuple(a["ripple_nm"]),
-        ripple_cycles=a["ripple_cycles"],
-        load_friction=tuple(a["load_friction"]),
-        dead_band=a["dead_band_counts"],
+        stribeck=a.stribeck,
+        stribeck_velocity=a.stribeck_velocity_rad_s,
+        ripple=a.ripple_nm,
+        ripple_cycles=a.ripple_cycles,
+        load_friction=a.load_friction,
+        dead_band=a.dead_band_counts,
     )
-    return levels, np.array(a["ripple_phase_rad"])
+    return levels, np.array(a.ripple_phase_rad)
 
 
-def board_from_config(config: Config, make: type[Board] = Board) -> Board:
+def board_from_config(config: Configuration, make: type[Board] = Board) -> Board:
     """Simulated board with its arm; `make` is what simulates the board."""
-    beta, h = true_parameters(config), config["signals"]["sampling_period_s"]
+    beta, h = true_parameters(config), config.signals.sampling_period_s
     levels, phase = disturbance(config)
-    stated = {name: config["arm"][name] for name in ("parameters", "further_viscous_nm_s_per_rad")}
+    further = list(config.arm.further_viscous_nm_s_per_rad)
+    stated = {"parameters": config.arm.parameters, "further_viscous_nm_s_per_rad": further}
     effects = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(levels).items()}
     identity = {"board": "simulated", "arm": {**stated, **effects, "ripple_phase": phase.tolist()}}
     return make(lambda: Plant(beta, h, levels, phase), control_constants(config).torque_per_count, identity)
@@ -133,7 +125,7 @@ class Recording:
     tau: Array
 
     @classmethod
-    def of_counts(cls, program: ReferenceTrajectory, position: Array, pwm: Array, config: Config) -> "Recording":
+    def of_counts(cls, program: ReferenceTrajectory, position: Array, pwm: Array, config: Configuration) -> "Recording":
         """Recording of encoder and PWM counts."""
         per_count = control_constants(config).torque_per_count[:, np.newaxis]
         return cls(program, position * RADIANS_PER_COUNT, pwm * per_count)
@@ -162,7 +154,7 @@ def check_recorded(capture: Capture, program: ReferenceTrajectory) -> None:
         )
 
 
-def read_recording(path: Path, config: Config) -> Recording:
+def read_recording(path: Path, config: Configuration) -> Recording:
     """Measured signals of a capture."""
     capture = read_capture(path)
     program = program_from_config(config, path.stem)
@@ -174,20 +166,20 @@ def read_recording(path: Path, config: Config) -> Recording:
     return Recording(replace(program, q=capture.metadata.desired.astype(np.float64)), q, tau)
 
 
-def read_recordings(captures: Sequence[str | Path], config: Config) -> list[Recording]:
+def read_recordings(captures: Sequence[str | Path], config: Configuration) -> list[Recording]:
     """Recordings of a rule's captures, whose sidecars are inputs of the rule, too."""
     return [read_recording(path, config) for path in map(Path, captures) if path.suffix == ".bin"]
 
 
-def acquire(motion: str, out: Path, config: Config) -> None:
+def acquire(motion: str, out: Path, config: Configuration) -> None:
     """Put the capture of a motion at `out`: stored, simulated (in Python or in logic) or from a serial port."""
-    e, program = config["experiment"], program_from_config(config, motion)
-    if e["source"] in ("simulated", "rtl"):
-        simulate_capture(out, program, config, logic_board() if e["source"] == "rtl" else Board)
-    elif e["source"] == "serial":
-        record_capture(out, e["port"], metadata_for(program, config), e["baud"], overwrite=True)
+    e, program = config.experiment, program_from_config(config, motion)
+    if e.source in ("simulated", "rtl"):
+        simulate_capture(out, program, config, logic_board() if e.source == "rtl" else Board)
+    elif e.source == "serial":
+        record_capture(out, e.port, metadata_for(program, config), e.baud, overwrite=True)
     else:
-        stored = Path(e["captures"]) / f"{motion}.bin"
+        stored = Path(e.captures) / f"{motion}.bin"
         capture = read_capture(stored)
         check_recorded(capture, program)
         metadata = capture.metadata
@@ -200,7 +192,7 @@ def acquire(motion: str, out: Path, config: Config) -> None:
             atomic_write(here, partial(shutil.copyfile, there))
 
 
-def simulate_capture(out: Path, program: ReferenceTrajectory, config: Config, make: type[Board]) -> None:
+def simulate_capture(out: Path, program: ReferenceTrajectory, config: Configuration, make: type[Board]) -> None:
     """Capture of the simulated board run in this process, byte for byte what it sends over a line."""
     board, metadata = board_from_config(config, make=make), metadata_for(program, config)
     board.receive(metadata.program + encode_start(metadata.samples))

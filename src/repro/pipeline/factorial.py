@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from repro.config import merged
+from repro.config.model import Configuration
+from repro.config.sections import changed
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
 from repro.model.parameters import Array
 from repro.pipeline.accepted import of_this_unit, read_accepted
-from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import Scores
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
@@ -42,15 +42,15 @@ CELLS: dict[str, Cell] = {
 }
 
 
-def configured(config: Config, cell: Cell, seed: int) -> dict[str, Any]:
+def configured(config: Configuration, cell: Cell, seed: int) -> Configuration:
     """Configuration that a network of the factorial is trained with."""
     data: dict[str, Any] = {"motions": cell.motions}
     if cell.reader == "plain":
-        data["unmodelled"] = {"noise": config["factorial"]["plain"]["noise"]}
-    changed = {"data": data, "training": {"seed": seed}}
+        data["unmodelled"] = {"noise": config.factorial.plain.noise}
+    changes = {"data": data, "training": {"seed": seed}}
     if len(cell.image_motions) == 1:
-        changed["algorithm1"] = {"image_motion": cell.image_motions[0]}
-    return merged(config, changed)
+        changes["algorithm1"] = {"image_motion": cell.image_motions[0]}
+    return changed(config, changes)
 
 
 METRICS: dict[str, MetricSettings] = {formula: MetricSettings(formula) for formula in TIME_FORMULAS}
@@ -60,7 +60,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def score_references(experiments: Path, recordings: Path, config: Config) -> pd.DataFrame:
+def score_references(experiments: Path, recordings: Path, config: Configuration) -> pd.DataFrame:
     """Least squares, bounded least squares and the true parameters on every block."""
     rows = []
     for block in of_this_unit(read_accepted(experiments, recordings, config), config):

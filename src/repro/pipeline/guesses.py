@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from repro.config.model import Configuration
+from repro.config.sections import of_network
 from repro.identification.algorithm1.search import ResidualEstimator, search_in_turn, select
 from repro.identification.least_squares import METHODS
 from repro.identification.method import BASELINES
 from repro.model.parameters import Array
 from repro.pipeline.accepted import GUESSES, read_accepted
 from repro.pipeline.identifications import prepare_recording
-from repro.pipeline.job import Config
 from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.progress import Progress
-from repro.settings import metric_settings, of_network, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
@@ -27,18 +27,18 @@ DETAILED = {"published": 0, "desired": 0, "tracked-measured": 1}
 
 
 def search_accepted(
-    number: int, experiments: Path, recordings: Path, weights: Sequence[Path], config: Config
+    number: int, experiments: Path, recordings: Path, weights: Sequence[Path], config: Configuration
 ) -> pd.DataFrame:
     """Scores of one experiment: least squares, the true parameters, and Algorithm 1 within each budget of guesses.
 
     An experiment in detail has every seed, the further budgets with the first of them, and the extensions that the
     weights are given for; any other has Algorithm 1 as listed with the first seed.
     """
-    a, metric = config["accepted"], metric_settings(config)
+    a, metric = config.accepted, config.metric
     place, experiment = next(
         (k, one) for k, one in enumerate(read_accepted(experiments, recordings, config)) if one.number == number
     )
-    signals, recorded = signal_settings(experiment.config), experiment.recordings
+    signals, recorded = experiment.config.signals, experiment.recordings
     regressions = [recording.regression(signals) for recording in recorded]
     scorers = [TorqueScorer(r.tau, r.y, metric) for r in regressions]
     rows: list[dict[str, Any]] = []
@@ -46,7 +46,7 @@ def search_accepted(
     def add(beta: Array, **labels: Any) -> None:  # noqa: ANN401
         for case, scorer in zip(PROGRAMS, scorers, strict=True):
             s = scorer(beta)
-            own = {"experiment": number, "unit": signals.omega_unit, **labels, "case": case}
+            own = {"experiment": number, "unit": signals.frequency_reading, **labels, "case": case}
             for j in range(2):
                 values = {"time": s.time[j], "frequency": s.frequency[j], "total": s.total[j]}
                 rows.append({**own, "joint": j + 1, **values})
@@ -55,14 +55,14 @@ def search_accepted(
     for name, method in BASELINES.items():
         add(METHODS[method].estimate(regressions[0]).beta, method=name, **none)
     add(experiment.true, method="true", **none)
-    detailed = place < a["detailed_experiments"]
+    detailed = place < a.detailed_experiments
     networks = [name for name, file in DETAILED.items() if file < len(weights)] if detailed else ["published"]
-    for name, seed in product(networks, a["seeds"] if detailed else a["seeds"][:1]):
+    for name, seed in product(networks, a.seeds if detailed else a.seeds[:1]):
         own = of_network(config, name)
         algorithm1 = for_the_arm(algorithm1_of(name, weights[DETAILED[name]], own), own)
         method = "algorithm1" if name == "published" else f"algorithm1+{name}"
-        further = a["further_guesses"] if detailed and name == "published" and seed == a["seeds"][0] else []
-        budgets = [*a["guesses"], *further]
+        further = a.further_guesses if detailed and name == "published" and seed == a.seeds[0] else []
+        budgets = [*a.guesses, *further]
         prepared = prepare_recording(recorded[0], None, signals, algorithm1.search.image_motion)
         estimator = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
         progress = Progress(f"experiment {number}, {method}, seed {seed}")

@@ -10,6 +10,8 @@ import pandas as pd
 
 from repro.cnn.dataset import DataSettings
 from repro.cnn.priors import sample_beta
+from repro.config.model import Configuration
+from repro.config.sections import data_settings
 from repro.documents import read_json
 from repro.errors import InputError
 from repro.files import read_csv
@@ -22,9 +24,7 @@ from repro.identification.scores import score
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import NAMES, Array
 from repro.pipeline.experiment import Recording, read_recordings, true_parameters
-from repro.pipeline.job import Config
 from repro.progress import over
-from repro.settings import data_settings, metric_settings, numeric_arms, signal_settings
 from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory, sample_times
@@ -44,21 +44,23 @@ NUMERIC_SCORES = ("case", "method", "seed", "trajectory", "joint", "time", "freq
 
 def mean_training_torque(signals: SignalSettings, data: DataSettings, seed: int) -> Array:
     """Mean torque of the training data along the identification trajectory (centre of Fig. 9)."""
-    motion = identification_trajectory(signals.duration, signals.h)
+    motion = identification_trajectory(signals.duration_s, signals.sampling_period_s)
     beta = sample_beta(stream(seed, Stream.TRAINING_ARMS), 10_000, data.prior).mean(0)
     return inverse_dynamics(motion.q, motion.dq, motion.ddq, beta)
 
 
-def mean_torque(config: Config) -> pd.DataFrame:
+def mean_torque(config: Configuration) -> pd.DataFrame:
     """Mean training torque, which fit2trt needs, over time."""
-    signals = signal_settings(config)
-    joint1, joint2 = mean_training_torque(signals, data_settings(config), config["training"]["seed"])
-    return pd.DataFrame({"time": sample_times(signals.duration, signals.h), "joint1": joint1, "joint2": joint2})
+    signals = config.signals
+    joint1, joint2 = mean_training_torque(signals, data_settings(config), config.training.seed)
+    return pd.DataFrame(
+        {"time": sample_times(signals.duration_s, signals.sampling_period_s), "joint1": joint1, "joint2": joint2}
+    )
 
 
 def read_mean_torque(path: Path, signals: SignalSettings) -> Array:
     """Mean training torque of a file, an array of shape (2, N), checked for length and finite numbers."""
-    columns, samples = ("joint1", "joint2"), sample_times(signals.duration, signals.h).size
+    columns, samples = ("joint1", "joint2"), sample_times(signals.duration_s, signals.sampling_period_s).size
     table = read_csv(path, columns)[list(columns)].apply(pd.to_numeric, errors="coerce")
     if len(table) != samples:
         raise InputError.at(f"{path}: rows", len(table), f"{samples}, one for each sample of the trajectory")
@@ -69,37 +71,40 @@ def read_mean_torque(path: Path, signals: SignalSettings) -> Array:
     return np.asarray(table.to_numpy(dtype=np.float64).T)
 
 
-def motion_of(trajectory: str, config: Config, seed: int) -> Motion:
+def motion_of(trajectory: str, config: Configuration, seed: int) -> Motion:
     """Motion that estimates are scored on: ``ID`` (Eq. 10) or ``validation``, the random one of a seed (Fig. 16)."""
-    signals = signal_settings(config)
+    signals = config.signals
     if trajectory == "ID":
-        return identification_trajectory(signals.duration, signals.h)
-    rng, duration = stream(seed, Stream.VALIDATION), config["numeric"]["validation_samples"] * signals.h
-    return random_trajectory(rng, duration, signals.h, signals.c_f, "index")  # Table 7 requires it
+        return identification_trajectory(signals.duration_s, signals.sampling_period_s)
+    rng, duration = stream(seed, Stream.VALIDATION), config.numeric.validation_samples * signals.sampling_period_s
+    return random_trajectory(
+        rng, duration, signals.sampling_period_s, signals.filter_coefficient, "index"
+    )  # Table 7 requires it
 
 
-def _arms(config: Config) -> Iterator[tuple[str, Array, Regression]]:
+def _arms(config: Configuration) -> Iterator[tuple[str, Array, Regression]]:
     """Every test arm, with its torque and motion on the identification trajectory, cut out of the recorded margin."""
-    signals, margin = signal_settings(config), config["numeric"]["margin_samples"]
-    samples = sample_times(signals.duration, signals.h).size
-    recorded = identification_trajectory(signals.duration, signals.h, margin)
+    signals, margin = config.signals, config.numeric.margin_samples
+    samples = sample_times(signals.duration_s, signals.sampling_period_s).size
+    recorded = identification_trajectory(signals.duration_s, signals.sampling_period_s, margin)
     y = regressor(recorded.q, recorded.dq, recorded.ddq)
-    for name, beta in numeric_arms(config).items():
+    for name, parameters in config.numeric.arms:
+        beta = np.array(parameters)
         yield name, beta, filtered(recorded.q, rebuild_torque(y, beta), signals, margin, margin + samples)
 
 
-def identify_arms(algorithm1: "Algorithm1", config: Config, tau_mean: Array, seed: int) -> dict[str, Any]:
+def identify_arms(algorithm1: "Algorithm1", config: Configuration, tau_mean: Array, seed: int) -> dict[str, Any]:
     """Identify every test arm by Algorithm 1, its refinement and the controls, with the mean training torque (2, N)."""
     arms: dict[str, Any] = {}
     for index, (name, beta, measured) in enumerate(over([*_arms(config)], f"{algorithm1.variant} image, seed {seed}")):
         streams = (stream(seed, kind, index) for kind in (Stream.SEARCH, Stream.REFINE, Stream.UNIFORM_SEARCH))
-        found, met = algorithm1.run(prepare(measured, tau_mean, signal_settings(config)), *streams)
+        found, met = algorithm1.run(prepare(measured, tau_mean, config.signals), *streams)
         arms[name] = _arm(beta, as_json(found), executions_over_threshold=met)
         _LOG.info("%s: %d of %d executions over the threshold", name, met, algorithm1.search.executions)
     return {"variant": algorithm1.variant, "seed": seed, "arms": arms}
 
 
-def least_squares_of_arms(config: Config) -> dict[str, Any]:
+def least_squares_of_arms(config: Configuration) -> dict[str, Any]:
     """Identify every test arm by least squares on the signals of Algorithm 1; N2 and N3 have no definite inertia."""
     arms = {name: _arm(beta, _least_squares(r, ("least-squares", "bounded"))) for name, beta, r in _arms(config)}
     return {"variant": "least-squares", "seed": 0, "arms": arms}
@@ -114,7 +119,7 @@ def _least_squares(regression: Regression, methods: Iterable[str]) -> dict[str, 
     return as_json({name: METHODS[BASELINES[name]].estimate(regression) for name in methods})
 
 
-def score_estimates(runs: Sequence[Mapping[str, Any]], config: Config, metric: MetricSettings) -> pd.DataFrame:
+def score_estimates(runs: Sequence[Mapping[str, Any]], config: Configuration, metric: MetricSettings) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding, for every seed."""
     frames = []
     for run in runs:
@@ -127,9 +132,9 @@ def score_estimates(runs: Sequence[Mapping[str, Any]], config: Config, metric: M
     return pd.concat(frames, ignore_index=True)[list(NUMERIC_SCORES)]
 
 
-def score_numeric(identifications: Sequence[Path], config: Config) -> pd.DataFrame:
+def score_numeric(identifications: Sequence[Path], config: Configuration) -> pd.DataFrame:
     """Similarity of every estimate of the numeric arms, on the identification and the validation trajectories."""
-    return score_estimates(read_identifications(identifications), config, metric_settings(config))
+    return score_estimates(read_identifications(identifications), config, config.metric)
 
 
 def prepare_recording(
@@ -165,10 +170,10 @@ def least_squares_of(recording: Recording, signals: SignalSettings, true: Array,
     return {"variant": "least-squares", "seed": seed, "arms": {CASE: _arm(true, methods)}}
 
 
-def identify_least_squares(captures: Sequence[Path], config: Config) -> dict[str, Any]:
+def identify_least_squares(captures: Sequence[Path], config: Configuration) -> dict[str, Any]:
     """The arm's parameters by least squares, plain and with constraints."""
     (recording,) = read_recordings(captures, config)
-    return least_squares_of(recording, signal_settings(config), true_parameters(config))
+    return least_squares_of(recording, config.signals, true_parameters(config))
 
 
 def score_runs(
@@ -184,10 +189,10 @@ def score_runs(
     return pd.concat(frames, ignore_index=True)[list(SCORES)]
 
 
-def score_experiment(identifications: Sequence[Path], captures: Sequence[Path], config: Config) -> pd.DataFrame:
+def score_experiment(identifications: Sequence[Path], captures: Sequence[Path], config: Configuration) -> pd.DataFrame:
     """Similarity of every estimate of the arm on all five motions."""
     runs, recordings = read_identifications(identifications), read_recordings(captures, config)
-    return score_runs(runs, recordings, signal_settings(config), metric_settings(config))
+    return score_runs(runs, recordings, config.signals, config.metric)
 
 
 def tracking(recording: Recording, metric: MetricSettings) -> pd.DataFrame:

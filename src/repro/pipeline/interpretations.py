@@ -1,15 +1,13 @@
 """Variants of the configuration for what the paper leaves open (docs/explanation)."""
 
-import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
 
-from repro.config import merged
-from repro.pipeline.job import Config
-from repro.settings import of_network
+from repro.config.model import Configuration
+from repro.config.sections import changed, of_network
 
 
 @dataclass(frozen=True)
@@ -77,11 +75,10 @@ def network_of_unit(unit: str, default: str) -> str:
     return network_files(reading)[0]
 
 
-def configuration_of(config: Config, reading: Variant) -> dict[str, Any]:
+def configuration_of(config: Configuration, reading: Variant) -> Configuration:
     """Configuration under a reading."""
-    changed = copy.deepcopy(merged(of_network(config, reading.network), reading.change))
-    changed["training"]["steps"] *= reading.longer
-    return changed
+    own = changed(of_network(config, reading.network), reading.change)
+    return changed(own, {"training": {"steps": reading.longer * own.training.steps}})
 
 
 #: What is reported of the arm: the literal search on ID and T1 to T4, and on T1 to T4 what it is compared with.

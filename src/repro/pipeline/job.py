@@ -4,14 +4,13 @@ import fcntl
 import logging
 import shutil
 import sys
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Iterator, MutableMapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 from repro.errors import InputError, end_by_exception
 
-Config = Mapping[str, Any]
 #: Folder of Snakemake's records.
 STATE = Path(".snakemake")
 

@@ -10,10 +10,9 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
+from repro.config.model import Configuration
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording
-from repro.pipeline.job import Config
-from repro.settings import signal_settings
 from repro.signals.metric import MetricSettings, TorqueScorer
 
 #: Mean totals that lie no further apart count as the same.
@@ -29,8 +28,8 @@ COMPARISON_COLUMNS = (
 class Scores:
     """Similarity of estimates on the recordings of one experiment, the one that is identified from first."""
 
-    def __init__(self, recordings: Sequence[Recording], config: Config) -> None:
-        self.regressions = [recording.regression(signal_settings(config)) for recording in recordings]
+    def __init__(self, recordings: Sequence[Recording], config: Configuration) -> None:
+        self.regressions = [recording.regression(config.signals) for recording in recordings]
         self._of: dict[MetricSettings, list[TorqueScorer]] = {}
 
     def __call__(self, beta: Array, metric: MetricSettings) -> dict[str, float]:

@@ -9,8 +9,10 @@ import numpy as np
 import pandas as pd
 
 from repro.cnn.network import load_network, on_this_processor, save_network
-from repro.cnn.plain import PlainNetwork, PlainSettings, load_posterior, read_torque, save_posterior, train_posterior
+from repro.cnn.plain import PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
 from repro.cnn.train import train
+from repro.config.model import Configuration
+from repro.config.sections import data_settings, of_network, search_settings
 from repro.files import write_csv, write_text
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.refinement import Algorithm1
@@ -31,45 +33,43 @@ from repro.pipeline.identifications import (
     score_runs,
 )
 from repro.pipeline.interpretations import MEASURED, VARIANTS, configuration_of
-from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import Scores
 from repro.pipeline.simulated_arms import training_motion
 from repro.pipeline.stored_networks import CONFIGURATION, configuration_digest, model_card, network_name, take_stored
 from repro.progress import Progress, over
-from repro.settings import (
-    data_settings,
-    metric_settings,
-    network_settings,
-    of_network,
-    refinement_settings,
-    search_settings,
-    signal_settings,
-    training_settings,
-)
 from repro.signals.metric import TorqueScorer
 from repro.streams import Stream, stream
 
 
 def train_network(
-    suffix: str, weights: Path, history: Path, card: Path, checkpoint: str, config: Config, motions: Path | None = None
+    suffix: str,
+    weights: Path,
+    history: Path,
+    card: Path,
+    checkpoint: str,
+    trained_as: str,
+    config: Configuration,
+    motions: Path | None = None,
 ) -> None:
     """Write weights, history and card, stored or trained; training continues from `checkpoint`."""
     name = network_name(suffix)
-    if config["training"].get("source") == "stored":
-        take_stored(suffix, {"weights": weights, "history": history, "card": card}, config)
+    if config.training.source == "stored":
+        take_stored(
+            suffix, {"weights": weights, "history": history, "card": card}, config.training.networks, trained_as
+        )
         return
     table = train_and_keep(name, weights, history, checkpoint, config, motions)
-    precision = on_this_processor(training_settings(config).precision)
+    precision = on_this_processor(config.training.precision)
     write_text(card, model_card(weights, table, precision, config))
 
 
 def train_and_keep(
-    name: str, weights: Path, history: Path | None, checkpoint: str, config: Config, motions: Path | None
+    name: str, weights: Path, history: Path | None, checkpoint: str, config: Configuration, motions: Path | None
 ) -> pd.DataFrame:
     """Train a network and log the progress; write its weights and, to a file, its history; return this with seconds."""
     motion, progress = training_motion(config, motions), Progress(f"training, {name}")
-    settings = data_settings(config), network_settings(config), training_settings(config)
-    network, table = train(motion, *settings, Path(checkpoint), progress)
+    data = data_settings(config)
+    network, table = train(motion, data, config.network, config.training, Path(checkpoint), progress)
     save_network(weights, network, {CONFIGURATION: configuration_digest(config)})
     if history:
         write_csv(history, table.drop(columns="seconds"))
@@ -77,16 +77,15 @@ def train_and_keep(
     return table
 
 
-def algorithm1_of(variant: str, weights: Path, config: Config, digest: str | None = None) -> Algorithm1:
+def algorithm1_of(variant: str, weights: Path, config: Configuration, digest: str | None = None) -> Algorithm1:
     """Algorithm 1 with a trained network, whose weights must state the configuration `digest` if there is one."""
-    network = load_network(weights, network_settings(config), digest, training_settings(config).precision)
-    image, search = data_settings(config).image, search_settings(config)
-    return Algorithm1(variant, network, image, search, refinement_settings(config))
+    network = load_network(weights, config.network, digest, config.training.precision)
+    return Algorithm1(variant, network, config.image, search_settings(config), config.refinement)
 
 
-def for_the_arm(algorithm1: Algorithm1, config: Config) -> Algorithm1:
+def for_the_arm(algorithm1: Algorithm1, config: Configuration) -> Algorithm1:
     """The same with the threshold of the experiment."""
-    return replace(algorithm1, search=replace(algorithm1.search, threshold=config["experiment"]["threshold"]))
+    return replace(algorithm1, search=replace(algorithm1.search, threshold=config.experiment.threshold))
 
 
 def with_limit(algorithm1: Algorithm1, inner_limit: int) -> Algorithm1:
@@ -95,10 +94,10 @@ def with_limit(algorithm1: Algorithm1, inner_limit: int) -> Algorithm1:
 
 
 def identify_numeric(
-    suffix: str, weights: Path, mean_torque: Path, seeds: Sequence[int], trained_as: str, config: Config
+    suffix: str, weights: Path, mean_torque: Path, seeds: Sequence[int], trained_as: str, config: Configuration
 ) -> list[dict[str, Any]]:
     """All numeric arms for one network and every seed."""
-    tau_mean = read_mean_torque(mean_torque, signal_settings(config))
+    tau_mean = read_mean_torque(mean_torque, config.signals)
     algorithm1 = algorithm1_of(network_name(suffix), weights, config, trained_as)
     return [identify_arms(algorithm1, config, tau_mean, seed) for seed in seeds]
 
@@ -110,10 +109,10 @@ def identify_experiment(
     mean_torque: Path,
     seeds: Sequence[int],
     trained_as: str,
-    config: Config,
+    config: Configuration,
 ) -> list[dict[str, Any]]:
     """The arm's parameters by Algorithm 1 and its refinement, one network and every seed."""
-    signals, true = signal_settings(config), true_parameters(config)
+    signals, true = config.signals, true_parameters(config)
     tau_mean = read_mean_torque(mean_torque, signals)
     (recording,) = read_recordings(captures, config)
     algorithm1 = for_the_arm(algorithm1_of(network_name(suffix), weights, config, trained_as), config)
@@ -126,10 +125,10 @@ def score_spread(
     weights: Sequence[Path],
     mean_torque: Path,
     trained_as: Mapping[str, str],
-    config: Config,
+    config: Configuration,
 ) -> pd.DataFrame:
     """Similarity of every method on every motion of every accepted experiment with this unit of omega."""
-    signals, limit = signal_settings(config), config["spread"]["inner_limit"]
+    signals, limit = config.signals, config.spread.inner_limit
     tau_mean, chosen = read_mean_torque(mean_torque, signals), read_accepted(experiments, recordings, config)
     networks = [
         with_limit(for_the_arm(algorithm1_of(name, file, of_network(config, name), digest), config), limit)
@@ -140,25 +139,27 @@ def score_spread(
         recorded = one.recordings[0]
         runs = [identify_recording(each, recorded, tau_mean, signals, one.number, one.true) for each in networks]
         runs.append(least_squares_of(recorded, signals, one.true, one.number))
-        scores = score_runs(runs, one.recordings, signals, metric_settings(config))
+        scores = score_runs(runs, one.recordings, signals, config.metric)
         frames.append(scores.assign(experiment=one.number))
     table = pd.concat(frames, ignore_index=True)
     return table[["case", "joint", "method", "experiment", "time", "frequency", "total"]]
 
 
-def train_variant(trained: str, weights: Path, history: Path, tracked: Path, checkpoint: str, config: Config) -> None:
+def train_variant(
+    trained: str, weights: Path, history: Path, tracked: Path, checkpoint: str, config: Configuration
+) -> None:
     """Write weights and history of a network that no table has."""
     reading = VARIANTS[trained]
     label, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
     train_and_keep(label, weights, history, checkpoint, c, tracked)
 
 
-def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: Config) -> dict[str, float]:
+def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: Configuration) -> dict[str, float]:
     """Headline numbers under a reading: medians of the seeds, of which one is refined on the arm."""
     # Every reading is refined, whatever its network is used for elsewhere.
-    c = {**configuration_of(config, VARIANTS[reading]), "refinement": config["refinement"]}
-    signals, metric, seeds = signal_settings(c), metric_settings(c), c["ablation"]["seeds"]
-    tau_mean = mean_training_torque(signals, data_settings(c), c["training"]["seed"])
+    c = configuration_of(config, VARIANTS[reading]).model_copy(update={"refinement": config.refinement})
+    signals, metric, seeds = c.signals, c.metric, c.ablation.seeds
+    tau_mean = mean_training_torque(signals, data_settings(c), c.training.seed)
     algorithm1 = algorithm1_of("published", weights, c, configuration_digest(c))
     totals = score_estimates([identify_arms(algorithm1.literal, c, tau_mean, seed) for seed in seeds], c, metric)
     cells = totals.groupby(["trajectory", "case", "joint"])["total"].median()
@@ -178,20 +179,16 @@ def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: C
     return dict(zip(MEASURED, map(float, (*numeric, *arm)), strict=True))
 
 
-def plain_settings(p: Mapping[str, Any]) -> PlainSettings:
-    """Size and budget of a network that reads the torque."""
-    return PlainSettings(p["width"], p["steps"], p["batch"], p["learning_rate"])
-
-
 def train_cell(
-    cell: str, seed: int, weights: Path, checkpoint: str, config: Config, motions: Path | None = None
+    cell: str, seed: int, weights: Path, checkpoint: str, config: Configuration, motions: Path | None = None
 ) -> None:
     """Train one network of the factorial."""
     c = configured(config, CELLS[cell], seed)
     if CELLS[cell].reader == "plain":
         motion, progress = training_motion(c, motions), Progress(f"training, {cell}")
-        settings = plain_settings(c["factorial"]["plain"])
-        save_posterior(weights, train_posterior(PlainNetwork, motion, data_settings(c), settings, seed, progress))
+        save_posterior(
+            weights, train_posterior(PlainNetwork, motion, data_settings(c), c.factorial.plain, seed, progress)
+        )
         return
     train_and_keep(f"{cell}, seed {seed}", weights, None, checkpoint, c, motions)
 
@@ -205,7 +202,7 @@ def search_under(
     For each metric the parameters and the number of executions that met the threshold.
     """
     count, limit = settings.executions, settings.inner_limit
-    guesses = np.stack([s.uniform(settings.low, settings.high, (limit, 9)) for s in rng.spawn(count)])
+    guesses = np.stack([s.uniform(settings.guess_low, settings.guess_high, (limit, 9)) for s in rng.spawn(count)])
     beta = reader.estimate(guesses.reshape(-1, 9)).reshape(count, limit, 9)
     possible = FEASIBILITY[settings.feasibility](beta.reshape(-1, 9)).reshape(count, limit)
     results: dict[str, tuple[Array, int]] = {}
@@ -226,19 +223,19 @@ def score_cell(
     experiments: Path,
     recordings: Path,
     mean_torque: Path,
-    config: Config,
+    config: Configuration,
 ) -> pd.DataFrame:
     """Similarities of one network and one seed of guesses on every block; of a plain network, which has no guesses."""
     levels, rows = CELLS[cell], []
     c = configured(config, levels, seed)
-    signals, f = signal_settings(c), c["factorial"]
+    signals, f = c.signals, c.factorial
     tau_mean = read_mean_torque(mean_torque, signals)
     blocks = of_this_unit(read_accepted(experiments, recordings, c), c)
     if levels.reader == "plain":
-        plain = load_posterior(weights, PlainNetwork(signals.samples, f["plain"]["width"]))
+        plain = load_posterior(weights, PlainNetwork(signals.image_samples, f.plain.width))
     else:
         of_cell = algorithm1_of(cell, weights, c, configuration_digest(c))
-        algorithm1 = with_limit(for_the_arm(of_cell, c), f["inner_limit"])
+        algorithm1 = with_limit(for_the_arm(of_cell, c), f.inner_limit)
     common = {"reader": levels.reader, "training": levels.motions, "training_seed": seed, "search_seed": search}
     for block in over(blocks, f"{cell}, seed {seed}, guesses {search}"):
         scores = Scores(block.recordings, c)

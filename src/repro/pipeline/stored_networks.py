@@ -3,6 +3,7 @@
 import hashlib
 import json
 import shutil
+from collections.abc import Mapping
 from functools import partial
 from math import prod
 from pathlib import Path
@@ -11,35 +12,37 @@ from typing import Any
 import pandas as pd
 
 from repro.cnn.architecture import NetworkSettings
+from repro.config.model import Configuration
+from repro.config.sections import data_settings, of_network, plain, stated
 from repro.errors import InputError
 from repro.files import atomic_write, read_tensors, write_text
-from repro.pipeline.job import Config
-from repro.settings import data_settings, network_settings, of_network, training_settings
 
 #: The one key of the weights' header, `configuration_digest`: safetensors writes several in any order.
 CONFIGURATION = "configuration"
 
 
-def training_config(config: Config) -> dict[str, Any]:
-    """What decides a network: not where it comes from, and nothing of another recipe or another divisor."""
-    left_out = ("source", "networks", "" if config["training"]["recipe"] == "paper" else "paper")
-    parts = {
-        "signals": config["signals"],
-        "network": config["network"],
-        "image": config["image"] if config["image"]["scale"] == "constant" else {"scale": config["image"]["scale"]},
-        "training": {key: value for key, value in config["training"].items() if key not in left_out},
-    }
-    if config["data"]["motions"] != "tracked":
-        return parts | {"data": {key: value for key, value in config["data"].items() if key != "tracked"}}
-    return parts | {
-        "data": config["data"],
-        "board": config["board"],
-        "experiment": {key: config["experiment"][key] for key in ("margin_samples", "lead_in_s")},
-        "algorithm1": {"image_motion": config["algorithm1"]["image_motion"]},
-    }
+def training_config(config: Configuration) -> dict[str, Any]:
+    """What decides the weights of a network, without the keys at the default of their class: a new key changes nothing.
+
+    It has nothing of another recipe, divisor or kind of motion, nor what is only logged, kept or measured on the way.
+    """
+    s = stated(config, "signals", "network", "image", "training", "data")
+    idle = ["source", "networks", "test_samples", "log_every", "checkpoint_every"]
+    idle += [] if config.training.recipe == "paper" else ["paper"]
+    parts = {"signals": s["signals"], "network": s["network"], "training": _without(s["training"], *idle)}
+    parts["image"] = s["image"] if config.image.scale == "constant" else _without(s["image"], "constant")
+    if config.data.motions != "tracked":
+        return parts | {"data": _without(s["data"], "tracked")}
+    experiment = {key: getattr(config.experiment, key) for key in ("margin_samples", "lead_in_s")}
+    parts |= {"data": s["data"], **stated(config, "board"), "experiment": experiment}
+    return parts | {"algorithm1": {"image_motion": config.algorithm1.image_motion}}
 
 
-def configuration_digest(config: Config) -> str:
+def _without(section: Mapping[str, Any], *keys: str) -> dict[str, Any]:
+    return {key: value for key, value in section.items() if key not in keys}
+
+
+def configuration_digest(config: Configuration) -> str:
     """SHA-256 of `training_config` as text: the same on every machine."""
     return hashlib.sha256(json.dumps(training_config(config), sort_keys=True).encode()).hexdigest()
 
@@ -55,30 +58,30 @@ def stored_files(folder: str | Path, suffix: str) -> dict[str, Path]:
     return {what: Path(folder) / name.format(suffix) for what, name in names.items()}
 
 
-def check_stored(config: Config) -> None:
+def check_stored(config: Configuration) -> None:
     """Refuse stored networks of another configuration; nothing is checked if networks are trained."""
-    if config["training"]["source"] != "stored":
+    if config.training.source != "stored":
         return
-    for suffix in ("", *(f"-{network}" for network in config["networks"])):
+    for suffix in ("", *(f"-{network}" for network in plain(config.networks))):
         whole = of_network(config, network_name(suffix))
-        weights = stored_files(config["training"]["networks"], suffix)["weights"]
-        if whole["training"]["recipe"] != "paper" and weights.exists():
-            _check_weights(weights, whole)
+        weights = stored_files(config.training.networks, suffix)["weights"]
+        if whole.training.recipe != "paper" and weights.exists():
+            _check_weights(weights, configuration_digest(whole))
 
 
-def _check_weights(weights: Path, config: Config) -> None:
-    """Refuse weights that were not trained with this configuration."""
+def _check_weights(weights: Path, digest: str) -> None:
+    """Refuse weights that were not trained with the configuration of this digest."""
     expected = "one trained with this configuration; training.source: trained trains it"
     _, metadata = read_tensors(weights, expected)
-    if metadata.get(CONFIGURATION) != configuration_digest(config):
+    if metadata.get(CONFIGURATION) != digest:
         raise InputError.at(str(weights), "a network of another configuration", expected)
 
 
-def take_stored(suffix: str, out: dict[str, Path], config: Config) -> None:
+def take_stored(suffix: str, out: dict[str, Path], folder: str, trained_as: str) -> None:
     """Copy a stored network, its history and its model card to `out`."""
-    stored = stored_files(config["training"]["networks"], suffix)
+    stored = stored_files(folder, suffix)
     weights = stored["weights"]
-    _check_weights(weights, config)
+    _check_weights(weights, trained_as)
     digest = hashlib.sha256(weights.read_bytes()).hexdigest()
     try:
         card = stored["card"].read_text(encoding="utf-8")
@@ -112,16 +115,16 @@ def architecture(settings: NetworkSettings) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["layer", "kind", "height", "width", "channels", "kernel", "parameters"])
 
 
-def model_card(weights: Path, history: pd.DataFrame, precision: str, config: Config) -> str:
+def model_card(weights: Path, history: pd.DataFrame, precision: str, config: Configuration) -> str:
     """What a user of the weights wants to know, as Markdown."""
-    data, training = data_settings(config), training_settings(config)
-    layers, last = architecture(network_settings(config)), history.iloc[-1]
+    data, training = data_settings(config), config.training
+    layers, last = architecture(config.network), history.iloc[-1]
     reached, motions = "not reached in this budget", "Eq. 10 exactly"
     for row in history[history["test_loss"] <= 1e-3][:1].itertuples():
         reached = f"step {row.step}, after {row.seconds:.0f} s"
-    if config["data"]["motions"] == "tracked":
-        t, shown = config["data"]["tracked"], config["algorithm1"]["image_motion"]
-        motions = f"Eq. 10 as {t['arms']} simulated arms track it (seed {t['seed']}); "
+    if config.data.motions == "tracked":
+        t, shown = config.data.tracked, config.algorithm1.image_motion
+        motions = f"Eq. 10 as {t.arms} simulated arms track it (seed {t.seed}); "
         motions += f"f of the image on the {shown} motion"
     size = "\n".join(
         f"| {r.layer} | {r.kind} | {r.height} x {r.width} x {r.channels} | {r.kernel} | {r.parameters} |"
@@ -140,8 +143,8 @@ Trained on torques computed by numeric substitution in Eq. 1; no measured data.
 - Parameters: {int(layers["parameters"].sum())}
 - Recipe: {training.recipe}, {training.steps} steps of {training.batch} images, seed {training.seed}, \
 {precision} arithmetic in layers 1 to 4
-- Arms: {data.prior} prior; guesses: {data.guess.exact_share:.0%} exact, {data.guess.near_share:.0%} near, \
-the rest uniform on {data.guess.low:g} to {data.guess.high:g}
+- Arms: {data.prior} prior; guesses: {data.exact_share:.0%} exact, {data.near_share:.0%} near, \
+the rest uniform on {data.guess_low:g} to {data.guess_high:g}
 - Motions: {motions}
 - Torque beyond Eq. 1, at most: {data.unmodelled}
 - Image: Z1 divided by {divisor}

@@ -6,13 +6,12 @@ from typing import Any
 
 import pandas as pd
 
+from repro.config.model import Configuration
 from repro.errors import InputError
 from repro.identification.method import TABLE_METHODS
 from repro.model.parameters import NAMES, UNITS
 from repro.pipeline.experiment import Recording
 from repro.pipeline.identifications import CASE, score_estimates, score_runs
-from repro.pipeline.job import Config
-from repro.settings import signal_settings
 from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
 
@@ -84,12 +83,12 @@ def both_metrics(
     numeric: Sequence[Mapping[str, Any]],
     arm: Sequence[Mapping[str, Any]],
     recordings: Sequence[Recording],
-    config: Config,
+    config: Configuration,
 ) -> pd.DataFrame:
     """Means of the median cells under each formula; the estimates were searched for with the configured one."""
-    signals, rows, cell = signal_settings(config), [], ["method", "case", "joint"]
+    signals, rows, cell = config.signals, [], ["method", "case", "joint"]
     for formula in TIME_FORMULAS:
-        metric = MetricSettings(formula, config["metric"]["exponent"])
+        metric = MetricSettings(formula, config.metric.exponent)
         of_arm = score_runs(arm, recordings, signals, metric)
         of_arm = of_arm.groupby(cell)[["frequency", "total"]].median().reset_index()
         of_numbers = score_estimates(numeric, config, metric)

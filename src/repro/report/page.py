@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
+from repro.config.model import Configuration
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
 from repro.exhibits.declare import Exhibit, read_shown
@@ -20,8 +21,7 @@ from repro.exhibits.style import title_of
 from repro.files import read_csv, read_rows, write_text
 from repro.paper import claims as ledger
 from repro.pipeline import monte_carlo
-from repro.pipeline.job import Config
-from repro.pipeline.provenance import commit, config_digest, package_versions
+from repro.pipeline.provenance import commit, package_versions
 from repro.report.embed import environment, link, picture, policy, read_bytes
 from repro.signals.programs import SPAN
 
@@ -262,10 +262,12 @@ def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
     return hashes
 
 
-def make_report(checkout: str, overlays: Sequence[str], config: Config, captures: Sequence[Path] = ()) -> None:
+def make_report(
+    checkout: str, overlays: Sequence[str], digest: str, config: Configuration, captures: Sequence[Path] = ()
+) -> None:
     """Write ``report/index.html`` in the results folder."""
     stored = "networks that come with the project, not trained in this run"
-    is_stored = config["training"]["source"] == "stored"
+    is_stored = config.training.source == "stored"
     # No times: the same commit, configuration and results give the same page.
     provenance = {
         "commit": commit(Path(checkout)),
@@ -277,6 +279,6 @@ def make_report(checkout: str, overlays: Sequence[str], config: Config, captures
     notice = f"Made with the settings of {names}, not those of the full reproduction." if overlays else ""
     if is_stored:
         notice = f"{notice} {stored.capitalize()}.".strip()
-    folders = (Path(config["results"]), Path(config["figures"]))
-    inputs = ReportInputs(*folders, next(iter(captures), None), config_digest(config), provenance, notice)
+    folders = (Path(config.results), Path(config.figures))
+    inputs = ReportInputs(*folders, next(iter(captures), None), digest, provenance, notice)
     write_text(inputs.page, build_report(inputs))

@@ -4,13 +4,15 @@ The transform is the orthonormal DCT of type 2 along the last axis, which is Eq.
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
+from annotated_types import Ge, Le
 from numpy.typing import ArrayLike
 from scipy.fft import dct, idct
 
 from repro.errors import InputError
+from repro.keys import SECTION, Flag, Integer, Key, Level, Positive, renamed
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
@@ -124,38 +126,61 @@ def dct2sub(x: Array, m: int) -> Array:
     return np.asarray(idct(bands[..., :m] * np.sqrt(m / n), type=2, norm="ortho", axis=-1))
 
 
+@renamed(
+    h="sampling_period_s",
+    c_f="filter_coefficient",
+    omega_unit="frequency_reading",
+    samples="image_samples",
+    duration="duration_s",
+)
 @dataclass(frozen=True)
 class SignalSettings:
-    """Sampling and filter of Algorithm 1."""
+    """Sampling and filters."""
 
-    h: float = 2.5e-3  # sampling period, s
-    c_f: float = 1e-4  # filter coefficient of Eq. 6 and 14, s^2 if omega is in rad/s
-    omega_unit: FrequencyUnit = "index"  # unit of omega in the filter: as for `low_pass`
-    samples: int = 100  # length M of the subsampled signals, and side of the image
-    duration: float = 3.0 * np.pi  # of the identification trajectory, s
-    #: Divide each motion signal inside f by its own maximum, as Eq. 8 prints; unscaled motion keeps Eq. 1 exact.
-    normalise_motion: bool = False
+    __pydantic_config__ = SECTION
+
+    sampling_period_s: Annotated[
+        Positive, Key("h; 0.0025, the board's clock", "s", "published: Eq. 6, Section III")
+    ] = 2.5e-3
+    filter_coefficient: Annotated[
+        Level, Key("c_f of the low-pass exp(-c_f omega^2)", "1/omega^2", "published: Eq. 6, 14")
+    ] = 1e-4
+    frequency_reading: Annotated[FrequencyUnit, Key("unit of omega; `index`: DCT-II bands", source="Eq. 6, 14")] = (
+        "index"
+    )
+    image_samples: Annotated[Integer, Ge(100), Le(100), Key("M, side of the image", "samples", "published: Eq. 8")] = (
+        100
+    )
+    duration_s: Annotated[
+        Positive,
+        Key("length of the identification trajectory, 3 pi", "s", "published: Eq. 10", "what the board's memory holds"),
+    ] = 3.0 * np.pi
+    normalise_motion: Annotated[
+        Flag, Key("divide motion signals by their maximum, as printed; bends Eq. 1", source="Eq. 8")
+    ] = False
 
     def __post_init__(self) -> None:
         """Refuse a period, filter or length that no signal can have."""
         for name, kind, least, expected in (
-            ("h", int | float, np.nextafter(0.0, 1.0), "a finite number above 0, s"),
-            ("c_f", int | float, 0.0, "a finite number of 0 or more"),
-            ("samples", int, 1, "an integer of at least 1"),
-            ("duration", int | float, np.nextafter(0.0, 1.0), "a finite number above 0, s"),
+            ("sampling_period_s", int | float, np.nextafter(0.0, 1.0), "a finite number above 0, s"),
+            ("filter_coefficient", int | float, 0.0, "a finite number of 0 or more"),
+            ("image_samples", int, 1, "an integer of at least 1"),
+            ("duration_s", int | float, np.nextafter(0.0, 1.0), "a finite number above 0, s"),
         ):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, kind) or not least <= value < np.inf:
                 raise InputError.at(name, repr(value), expected)
-        if self.omega_unit not in FREQUENCY_UNITS:
-            raise InputError.at("omega_unit", repr(self.omega_unit), f"one of {', '.join(FREQUENCY_UNITS)}")
+        if self.frequency_reading not in FREQUENCY_UNITS:
+            raise InputError.at(
+                "frequency_reading", repr(self.frequency_reading), f"one of {', '.join(FREQUENCY_UNITS)}"
+            )
 
 
 def image_regressor(
     q: Array, dq: Array, ddq: Array, settings: SignalSettings, friction_steepness: float = LAMBDA
 ) -> Array:
     """Compute the regressor (2, M, 9) that f of Eq. 9 uses: of the subsampled motion, from full-rate signals (2, N)."""
-    motion = np.stack([dct2sub(x, settings.samples) for x in (q, dq, ddq)])
+    motion = np.stack([dct2sub(x, settings.image_samples) for x in (q, dq, ddq)])
     if settings.normalise_motion:
         motion = motion / np.abs(motion).max(-1, keepdims=True)
     return regressor(motion[0], motion[1], motion[2], friction_steepness)

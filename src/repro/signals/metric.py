@@ -6,11 +6,12 @@ the spectra of x, y, ``|X/|X| - Y/|Y||^2 = 2 - 2 <x, y> / (|x| |y|)``, with whic
 """
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from repro.keys import SECTION, Key, Positive
 from repro.model.parameters import Array, check_beta
 from repro.signals.dct import spectrum
 
@@ -33,10 +34,15 @@ class Similarity:
 
 @dataclass(frozen=True)
 class MetricSettings:
-    """Choices that the lost listing of Algorithm 2 leaves open."""
+    """Formulas of metr2ev."""
 
-    time_formula: TimeFormula = "mean-square"  # time error: mean (x-y)^2 in the signal's unit, or |x-y|^2 / |x|^2
-    exponent: float = 0.4  # power that balances the two factors, as printed
+    __pydantic_config__ = SECTION
+
+    time_formula: Annotated[
+        TimeFormula,
+        Key("error in time: mean of (x-y)^2 in the signal's unit, or |x-y|^2 / |x|^2 (`energy`)", source="Algorithm 2"),
+    ] = "mean-square"
+    exponent: Annotated[Positive, Key("power on each factor", source="published: Algorithm 2")] = 0.4
 
 
 PUBLISHED_METRIC = MetricSettings()

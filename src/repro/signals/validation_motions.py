@@ -5,15 +5,19 @@ window. It prints the range of T1's numbers and the radius of the circle. What i
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
+from annotated_types import Ge, Le
 
+from repro.keys import SECTION, Integer, Joints, Key, Positive, Real
 from repro.model.dynamics import ArmGeometry, inverse_kinematics
 from repro.model.parameters import Array
 from repro.signals.dct import dct2low
 from repro.signals.trajectories import Motion, quintic, sample_times, sampled_motion
 
+#: Samples of a motion: what its window and the board's memory need.
+Length = Annotated[Integer, Ge(101), Le(8192), Key("its length", "samples", "Fig. 22, 23")]
 #: What has the range of T1 that Section VI gives: each joint's filtered motion, or the numbers before the filter.
 RangeOf = Literal["motion", "numbers"]
 
@@ -31,39 +35,51 @@ WINDOW_COEFFICIENT = 0.2  # coefficient of the window f_g at the start and at th
 class RandomMotion:
     """T1: uniform random numbers, filtered by Eq. 14."""
 
-    samples: int = 8192
-    # DCT-II band at which the filter has a gain of 1/e: least squares scores what the paper prints, to 1 point
-    bands: float = 12.0
-    limit: float = 1.2  # range, -limit to limit, rad
-    range_of: RangeOf = "motion"  # what has that range
+    __pydantic_config__ = SECTION
+
+    samples: Length = 8192
+    bands: Annotated[
+        Real,
+        Ge(0.1),
+        Le(1e9),
+        Key("DCT-II band where its filter has a gain of 1/e", "bands", "Eq. 14, Table 10"),
+    ] = 12.0
+    range_rad: Annotated[Positive, Key("range, between minus and plus this", "rad", "published: Section VI")] = 1.2
+    range_of: Annotated[
+        RangeOf, Key("what has it: the filtered motion, or the numbers before the filter", source="Section VI")
+    ] = "motion"
 
 
 @dataclass(frozen=True)
 class Circle:
     """T2: a circle of the tip about a point straight below joint 1."""
 
-    samples: int = 8192
-    turns: float = 5.0
-    # Distance of the centre from joint 1 over the reach. Joint 2 bends by 50 to 90 degrees, far from straight and from
-    # folded, and gravity is not at its largest.
-    centre: float = 0.8
+    __pydantic_config__ = SECTION
+
+    samples: Length = 8192
+    turns: Annotated[Positive, Key("turns of the circle", "turns", "Table 10")] = 5.0
+    centre: Annotated[Real, Ge(0.1), Le(0.9), Key("distance of its centre from joint 1", "reach", "Table 10")] = 0.8
 
 
 @dataclass(frozen=True)
 class Profile:
     """T3: moves from rest to rest."""
 
-    samples: int = 8192
-    levels: float = 1.0  # factor of `PROFILE_LEVELS`
+    __pydantic_config__ = SECTION
+
+    samples: Length = 8192
+    levels: Annotated[Positive, Key("factor of its levels", "", "Table 10")] = 1.0
 
 
 @dataclass(frozen=True)
 class Sinusoid:
     """T4: one sinusoid for each joint."""
 
-    samples: int = 8192
-    amplitude: tuple[float, float] = (1.0, 1.0)  # rad
-    frequency: tuple[float, float] = (0.25, 0.4)  # Hz; without a short common period the joints meet in many phases
+    __pydantic_config__ = SECTION
+
+    samples: Length = 8192
+    amplitude_rad: Annotated[Joints, Key("amplitude of each joint", "rad", "Table 10")] = (1.0, 1.0)
+    frequency_hz: Annotated[Joints, Key("frequency of each joint", "Hz", "Table 10")] = (0.25, 0.4)
 
 
 def start_and_end_window(time: Array) -> Array:
@@ -74,9 +90,9 @@ def start_and_end_window(time: Array) -> Array:
 
 def random_motion(rng: np.random.Generator, t1: RandomMotion, h: float) -> Motion:
     """Compute T1, windowed."""
-    q = dct2low(rng.uniform(-t1.limit, t1.limit, (2, t1.samples)), h, t1.bands**-2.0, "index")
+    q = dct2low(rng.uniform(-t1.range_rad, t1.range_rad, (2, t1.samples)), h, t1.bands**-2.0, "index")
     if t1.range_of == "motion":
-        q = t1.limit * q / np.abs(q).max(axis=1, keepdims=True)
+        q = t1.range_rad * q / np.abs(q).max(axis=1, keepdims=True)
     return sampled_motion(q * start_and_end_window(sample_times(t1.samples * h, h)), h)
 
 
@@ -107,5 +123,5 @@ def profile_motion(t3: Profile, h: float) -> Motion:
 def sinusoidal_motion(t4: Sinusoid, h: float) -> Motion:
     """Compute T4, windowed."""
     time = sample_times(t4.samples * h, h)
-    q = np.array(t4.amplitude)[:, None] * np.sin(2.0 * np.pi * np.array(t4.frequency)[:, None] * time)
+    q = np.array(t4.amplitude_rad)[:, None] * np.sin(2.0 * np.pi * np.array(t4.frequency_hz)[:, None] * time)
     return sampled_motion(q * start_and_end_window(time), h)

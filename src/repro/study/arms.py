@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from repro.config import merged
+from repro.config.model import Configuration
+from repro.config.sections import changed
 from repro.errors import InputError
 from repro.files import read_tensors, write_tensors
 from repro.fpga.plant import Unmodelled
@@ -17,9 +18,7 @@ from repro.identification.least_squares import METHODS
 from repro.logs.armfile import Arm
 from repro.model.parameters import Array
 from repro.pipeline.experiment import Recording, limits, program_from_config, program_settings, true_parameters
-from repro.pipeline.job import Config
 from repro.pipeline.simulated_arms import draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
-from repro.settings import metric_settings, signal_settings
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
 from repro.signals.validation_motions import random_motion
@@ -43,16 +42,16 @@ STEPS, LARGEST_STEP = 8, 5.0
 HARMONICS, RANGE, SPEED, TORQUE_SHARE = 8, 1.5, 5.0, 0.6
 
 
-def draw_law(law: str, rng: np.random.Generator, n: int, config: Config) -> Array:
+def draw_law(law: str, rng: np.random.Generator, n: int, config: Configuration) -> Array:
     """Parameters (n, 9) of arms from the law of a prior."""
     if law == "narrow":
         return true_parameters(config) * np.exp(rng.uniform(-np.log(NARROW), np.log(NARROW), (n, 9)))
     return {"wide": draw_arms, "mismatched": draw_built_arms}[law](rng, n, config)
 
 
-def prior_stream(config: Config, name: Stream, prior: str, *index: int) -> np.random.Generator:
+def prior_stream(config: Configuration, name: Stream, prior: str, *index: int) -> np.random.Generator:
     """Generator of one use of the study's seed for a prior, whichever other priors are in the study."""
-    return stream(config["study"]["seed"], name, [*TRAINED_ON].index(prior), *index)
+    return stream(config.study.seed, name, [*TRAINED_ON].index(prior), *index)
 
 
 def with_friction(beta: Array, factor: float) -> Array:
@@ -92,7 +91,7 @@ class Effects:
 
 
 def record(
-    config: Config, beta: Array, programs: Sequence[ReferenceTrajectory], effects: Effects, what: str
+    config: Configuration, beta: Array, programs: Sequence[ReferenceTrajectory], effects: Effects, what: str
 ) -> list[Recording]:
     """Recordings of arms (n, 9), each along its own motion."""
     unmodelled = [Unmodelled(stribeck=s, ripple=r) for s, r in zip(*effects.levels[:2].tolist(), strict=True)]
@@ -102,20 +101,20 @@ def record(
     return [effects.observed(k, one) for k, one in enumerate(recordings)]
 
 
-def excitation_config(config: Config, excitation: str) -> dict[str, Any]:
+def excitation_config(config: Configuration, excitation: str) -> Configuration:
     """Configuration with the length of an excitation; the slow one has half the pace of Eq. 10."""
-    duration = config["signals"]["duration_s"] / (0.5 if excitation == "slow" else 1.0)
-    return merged(config, {section: {"duration_s": duration} for section in ("signals", "experiment")})
+    duration = config.signals.duration_s / (0.5 if excitation == "slow" else 1.0)
+    return changed(config, {section: {"duration_s": duration} for section in ("signals", "experiment")})
 
 
-def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
+def excitation_program(config: Configuration, excitation: str) -> ReferenceTrajectory:
     """Motion that arms are identified from and that the stored arm can do: of Eq. 10, random or D-optimal."""
     c = excitation_config(config, excitation)
     if excitation in ("eq10", "slow"):
         return program_from_config(c, "ID")
-    h, margin = c["signals"]["sampling_period_s"], c["experiment"]["margin_samples"]
-    samples = round(c["signals"]["duration_s"] / h) + 2 * margin
-    rng = stream(c["study"]["seed"], Stream.STUDY_MOTION, int(excitation == "optimal"))
+    h, margin = c.signals.sampling_period_s, c.experiment.margin_samples
+    samples = round(c.signals.duration_s / h) + 2 * margin
+    rng = stream(c.study.seed, Stream.STUDY_MOTION, int(excitation == "optimal"))
     if excitation == "random":
         t = program_settings(c)
         motion = random_motion(rng, replace(t.t1, samples=samples), h)
@@ -127,57 +126,61 @@ def excitation_program(config: Config, excitation: str) -> ReferenceTrajectory:
     return ReferenceTrajectory("ID", motion.q, margin, samples - margin, h)
 
 
-def choose(config: Config, out: Path) -> None:
+def choose(config: Configuration, out: Path) -> None:
     """Write the excitations, the arms of each prior that are tested, and a list of those of each law to learn from."""
-    s = config["study"]
-    excitations = {name: excitation_program(config, name) for name in dict.fromkeys((REFERENCE, *s["excitations"]))}
+    s = config.study
+    excitations = {name: excitation_program(config, name) for name in dict.fromkeys((REFERENCE, *s.excitations))}
     kept: dict[str, NDArray[Any]] = {}
-    for prior in s["priors"]:
-        drawn = _able(prior, Stream.STUDY_ARMS, SPARE * s["arms"], config, excitations)
+    for prior in s.priors:
+        drawn = _able(prior, Stream.STUDY_ARMS, SPARE * s.arms, config, excitations)
         for program in excitations.values():
-            for factor in (min(s["frictions"]), max(s["frictions"])):
+            for factor in (min(s.frictions), max(s.frictions)):
                 if len(drawn):
                     position, _ = run_loop(config, with_friction(drawn, factor), program.q, quick=True)
                     drawn = drawn[tracks(config, position, program)]
-        if len(drawn) < s["arms"]:
-            raise InputError.at("study.arms", s["arms"], f"at most {len(drawn)}, which follow all motions")
-        kept[f"arms/{prior}"] = drawn[: s["arms"]]
-    for law in {TRAINED_ON[prior]: None for prior in s["priors"]}:
-        kept[f"law/{law}"] = _able(law, Stream.STUDY_LAW, LISTED * s["training_arms"], config, excitations)
+        if len(drawn) < s.arms:
+            raise InputError.at("study.arms", s.arms, f"at most {len(drawn)}, which follow all motions")
+        kept[f"arms/{prior}"] = drawn[: s.arms]
+    for law in {TRAINED_ON[prior]: None for prior in s.priors}:
+        kept[f"law/{law}"] = _able(law, Stream.STUDY_LAW, LISTED * s.training_arms, config, excitations)
     for name, program in excitations.items():
         kept[f"motion/{name}"] = program.q.astype(np.float32)  # as the board receives it
         kept[f"proper/{name}"] = np.array([program.n1, program.n2], dtype=np.int32)
     write_tensors(out, kept)
 
 
-def _able(prior: str, use: Stream, n: int, config: Config, excitations: Mapping[str, ReferenceTrajectory]) -> Array:
+def _able(
+    prior: str, use: Stream, n: int, config: Configuration, excitations: Mapping[str, ReferenceTrajectory]
+) -> Array:
     """The first n arms of a prior whose motors can do all its motions, examined at every `EVERY`-th sample."""
-    s, rng, able = config["study"], prior_stream(config, use, prior), [np.empty((0, 9))]
-    validation = {(p.name, p.q.tobytes()): p for k in range(s["arms"]) for p in _validation(config, prior, k)}
+    s, rng, able = config.study, prior_stream(config, use, prior), [np.empty((0, 9))]
+    validation = {(p.name, p.q.tobytes()): p for k in range(s.arms) for p in _validation(config, prior, k)}
     motions = [*excitations.values(), *validation.values()]
     thin = [replace(p, q=p.q[:, ::EVERY], n1=p.n1 // EVERY, n2=p.n2 // EVERY, h=p.h * EVERY) for p in motions]
     while sum(map(len, able)) < n:
         beta = draw_law(prior, rng, PIECE, config)
         for program in thin:
-            beta = beta[is_within_limits(config, with_friction(beta, max(s["frictions"])), program)]
+            beta = beta[is_within_limits(config, with_friction(beta, max(s.frictions)), program)]
         if not len(beta):
             found = f"at most 0, as none of {PIECE} drawn ones can do all motions"
-            raise InputError.at("study.arms", s["arms"], found)
+            raise InputError.at("study.arms", s.arms, found)
         able.append(beta)
     return np.concatenate(able)[:n]
 
 
-def _validation(config: Config, prior: str, k: int) -> list[ReferenceTrajectory]:
+def _validation(config: Configuration, prior: str, k: int) -> list[ReferenceTrajectory]:
     """Motions T1 to T4 of arm number `k` of a prior."""
     seed = int(prior_stream(config, Stream.STUDY_VALIDATION, prior, k).integers(2**32))
     return [program_from_config(config, name, seed) for name in VALIDATION]
 
 
-def read_choice(path: Path, config: Config, excitation: str) -> tuple[ReferenceTrajectory, dict[str, NDArray[Any]]]:
+def read_choice(
+    path: Path, config: Configuration, excitation: str
+) -> tuple[ReferenceTrajectory, dict[str, NDArray[Any]]]:
     """An excitation as the board receives it, and all that `choose` wrote."""
     kept, _ = read_tensors(path, "motions and arms of the study")
     q, (begin, end) = kept[f"motion/{excitation}"].astype(np.float64), kept[f"proper/{excitation}"].tolist()
-    return ReferenceTrajectory("ID", q, begin, end, config["signals"]["sampling_period_s"]), kept
+    return ReferenceTrajectory("ID", q, begin, end, config.signals.sampling_period_s), kept
 
 
 @dataclass(frozen=True)
@@ -190,7 +193,7 @@ class Specimen:
     recordings: Sequence[Recording]  # of ID, then of T1 to T4
 
 
-def specimens(config: Config, cells: Sequence[Cell], choice: Path) -> list[Specimen]:
+def specimens(config: Configuration, cells: Sequence[Cell], choice: Path) -> list[Specimen]:
     """Record the arms of a prior in cells of one excitation.
 
     Effects are drawn once for each arm. In each cell one amplitude of all of them is found for each arm, so that
@@ -222,7 +225,7 @@ def specimens(config: Config, cells: Sequence[Cell], choice: Path) -> list[Speci
     ]
 
 
-def _least_squares_similarity(recording: Recording, config: Config) -> float:
+def _least_squares_similarity(recording: Recording, config: Configuration) -> float:
     """Mean similarity of both joints by ordinary least squares on its own recording."""
-    r = recording.regression(signal_settings(config))
-    return float(TorqueScorer(r.tau, r.y, metric_settings(config))(METHODS["ordinary"].estimate(r).beta).total.mean())
+    r = recording.regression(config.signals)
+    return float(TorqueScorer(r.tau, r.y, config.metric)(METHODS["ordinary"].estimate(r).beta).total.mean())

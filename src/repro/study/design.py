@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from itertools import product
 
+from repro.config.model import Configuration
 from repro.model.parameters import NAMES
-from repro.pipeline.job import Config
 
 #: Networks: of the amortised posterior, normal or a flow, and of Algorithm 1 trained on the ideal motion and on motions
 #: as arms track it.
@@ -30,38 +30,38 @@ class Cell:
     searched: bool  # whether Algorithm 1 is run, too
 
 
-def cells(config: Config) -> list[Cell]:
+def cells(config: Configuration) -> list[Cell]:
     """All cells in order; Algorithm 1 is run in one of `cnn_fraction` of them.
 
     By default these are a Youden square for each prior: motion and discrepancy meet every friction once, each other in
     balanced incomplete blocks. So levels have different conditions, and `analysis` compares them in an additive model.
     """
-    s = config["study"]
-    factors = [enumerate(s[name]) for name in ("excitations", "discrepancies", "priors", "frictions")]
+    s = config.study
+    factors = [enumerate(getattr(s, name)) for name in ("excitations", "discrepancies", "priors", "frictions")]
     numbered = [zip(*each, strict=True) for each in product(*factors)]
     return [
-        Cell(**dict(zip(FACTORS, levels, strict=True)), searched=sum(numbers) % s["cnn_fraction"] == 0)
+        Cell(**dict(zip(FACTORS, levels, strict=True)), searched=sum(numbers) % s.cnn_fraction == 0)
         for numbers, levels in numbered
     ]
 
 
-def jobs(config: Config) -> dict[str, list[Cell]]:
+def jobs(config: Configuration) -> dict[str, list[Cell]]:
     """Cells by the name of their job: those of one excitation and one prior need the same networks."""
     groups: dict[str, list[Cell]] = {}
     for cell in cells(config):
         groups.setdefault(f"{cell.excitation}-{cell.prior}", []).append(cell)
-    size = config["study"]["cells_per_job"]
+    size = config.study.cells_per_job
     starts = [(name, k) for name, members in groups.items() for k in range(0, len(members), size)]
     return {f"{name}-{k // size}": groups[name][k : k + size] for name, k in starts}
 
 
-def trained(config: Config) -> list[tuple[str, str]]:
+def trained(config: Configuration) -> list[tuple[str, str]]:
     """Excitation and law of the training arms, for each pair that networks learn from."""
-    s = config["study"]
-    return list(product(s["excitations"], dict.fromkeys(TRAINED_ON[prior] for prior in s["priors"])))
+    s = config.study
+    return list(product(s.excitations, dict.fromkeys(TRAINED_ON[prior] for prior in s.priors)))
 
 
-def networks(config: Config, job: str) -> list[str]:
+def networks(config: Configuration, job: str) -> list[str]:
     """Networks that a job needs: those of Algorithm 1 only with a cell that it is run in."""
     searched = any(cell.searched for cell in jobs(config)[job])
-    return [name for name in config["study"]["networks"] if searched or name not in (ALGORITHM1, TRACKED)]
+    return [name for name in config.study.networks if searched or name not in (ALGORITHM1, TRACKED)]

@@ -19,6 +19,8 @@ from repro.cnn.network import save_network
 from repro.cnn.plain import Flow, PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
 from repro.cnn.priors import ListedPrior
 from repro.cnn.train import train
+from repro.config.model import Configuration
+from repro.config.sections import data_settings
 from repro.files import read_tensors, write_tensors
 from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.preprocessing import PreparedSignals
@@ -29,12 +31,10 @@ from repro.identification.scores import relative_rms
 from repro.model.parameters import FEASIBILITY, Array
 from repro.pipeline.experiment import Recording
 from repro.pipeline.identifications import prepare_recording
-from repro.pipeline.job import Config
 from repro.pipeline.monte_carlo import Scores
-from repro.pipeline.networks import algorithm1_of, for_the_arm, plain_settings
+from repro.pipeline.networks import algorithm1_of, for_the_arm
 from repro.pipeline.simulated_arms import run_loop, sampled_tracks
 from repro.progress import Progress, over
-from repro.settings import data_settings, metric_settings, network_settings, signal_settings, training_settings
 from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
 from repro.study.arms import Effects, choose, excitation_config, prior_stream, read_choice, record, specimens
@@ -46,30 +46,30 @@ SEARCHED: dict[str, ImageMotion] = {ALGORITHM1: "measured", TRACKED: "desired"}
 SHRINKAGE = 0.1
 
 
-def _data(config: Config, arms: Array, unmodelled: bool) -> DataSettings:
+def _data(config: Configuration, arms: Array, unmodelled: bool) -> DataSettings:
     """Distribution of training samples of listed arms, with the study's torque beyond Eq. 1 or without any."""
-    effects = UnmodelledSettings(**config["study"]["unmodelled"]) if unmodelled else UnmodelledSettings()
+    effects = config.study.unmodelled if unmodelled else UnmodelledSettings()
     return replace(data_settings(config), prior=ListedPrior(arms), unmodelled=effects)
 
 
-def make_arms(choice: Path, training: Sequence[Path], config: Config) -> None:
+def make_arms(choice: Path, training: Sequence[Path], config: Configuration) -> None:
     """Choose motions and arms of the study; for each motion and law simulate the arms that readers learn from."""
     choose(config, choice)
     for (excitation, law), out in zip(trained(config), training, strict=True):
         _simulate_training(excitation, law, choice, out, config)
 
 
-def _simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Config) -> None:
+def _simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Configuration) -> None:
     """Simulate the arms that readers of an excitation and a law learn from; keep what training needs of them."""
-    c, s = excitation_config(config, excitation), config["study"]
+    c, s = excitation_config(config, excitation), config.study
     program, chosen = read_choice(choice, config, excitation)
-    signals, n, proper = signal_settings(c), s["training_arms"], slice(program.n1, program.n2)
+    signals, n, proper = c.signals, s.training_arms, slice(program.n1, program.n2)
     rng = prior_stream(config, Stream.STUDY_TRAINING_ARMS, law)
     arms = chosen[f"law/{law}"]
     beta = arms[:n]
     effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, 3.0, n))
     recordings = record(c, beta, [program] * n, effects, f"arms to train on, {excitation}, {law}")
-    largest = config["data"]["tracked"]["largest_error_rad"]
+    largest = config.data.tracked.largest_error_rad
     tracks = [one.q for one in recordings if np.abs(one.q - program.q)[:, proper].max() <= largest]
     ideal = sampled_tracks([program.q], program, signals)
     tracked = sampled_tracks(tracks, program, signals, unmodelled=True, desired=True)
@@ -88,27 +88,27 @@ def _simulate_training(excitation: str, law: str, choice: Path, out: Path, confi
 
 
 def train_reader(
-    network: str, excitation: str, law: str, training: Path, weights: Path, checkpoint: str, config: Config
+    network: str, excitation: str, law: str, training: Path, weights: Path, checkpoint: str, config: Configuration
 ) -> None:
     """Train one network: of the posterior, or of Algorithm 1 on the ideal motion or on motions as arms track them."""
     kept, _ = read_tensors(training, "training motions of the study")
-    progress, s = Progress(f"training, {network} of {excitation}, {law}"), config["study"]
+    progress, s = Progress(f"training, {network} of {excitation}, {law}"), config.study
     if network == ALGORITHM1:
         motion = SampledMotion(kept["ideal/torque"], kept["ideal/model"])
     else:
         columns = UnmodelledColumns(*(kept[f"unmodelled/{name}"] for name in ("stribeck", "ripple", "rate")))
         motion = SampledMotion(kept["tracked/torque"], kept["tracked/model"], columns)
     data = _data(config, kept["arms"], unmodelled=network != ALGORITHM1)
-    posterior = motion, data, plain_settings(s["posterior"]), s["seed"], progress
+    posterior = motion, data, s.posterior, s.seed, progress
     if network == FLOW:
         make = partial(Flow, mean=kept["prior_mean"], covariance=kept["prior_covariance"])
         save_posterior(weights, train_posterior(make, *posterior))
     elif network == POSTERIOR:
         save_posterior(weights, train_posterior(PlainNetwork, *posterior))
     else:
-        budget = {"steps": s["cnn_steps"], "warmup": s["cnn_steps"] // 10}
-        settings = replace(training_settings(config), recipe="streamed", seed=s["seed"], **budget)
-        trained, _ = train(motion, data, network_settings(config), settings, Path(checkpoint), progress)
+        steps, warmup = s.cnn_steps, s.cnn_steps // 10
+        settings = replace(config.training, recipe="streamed", seed=s.seed, steps=steps, warmup=warmup)
+        trained, _ = train(motion, data, config.network, settings, Path(checkpoint), progress)
         save_network(weights, trained, {})
         Path(checkpoint).unlink(missing_ok=True)
 
@@ -126,12 +126,14 @@ class Reading:
 class Readers:
     """All readers of one excitation and one prior."""
 
-    def __init__(self, training: Path, weights: dict[str, Path], config: Config, signals: SignalSettings) -> None:
+    def __init__(
+        self, training: Path, weights: dict[str, Path], config: Configuration, signals: SignalSettings
+    ) -> None:
         kept, _ = read_tensors(training, "training motions of the study")
-        self._signals, self._seed = signals, config["study"]["seed"]
+        self._signals, self._seed = signals, config.study.seed
         self._factor = linalg.cholesky(kept["error_covariance"], lower=True)
         self._prior = kept["prior_mean"], kept["prior_covariance"]
-        sizes = signals.samples, config["study"]["posterior"]["width"]
+        sizes = signals.image_samples, config.study.posterior.width
         self._plain = load_posterior(weights[POSTERIOR], PlainNetwork(*sizes)) if POSTERIOR in weights else None
         self._flow = load_posterior(weights[FLOW], Flow(*sizes, *self._prior)) if FLOW in weights else None
         chosen = [name for name in SEARCHED if name in weights]
@@ -192,7 +194,7 @@ class Readers:
         """Algorithm 1, and the spread of its network's estimates from the first guess of each execution."""
         network, settings = self._cnn[name], self._cnn[name].search
         reader = ResidualEstimator(network.network, network.image, prepared)
-        guesses = rng.uniform(settings.low, settings.high, (settings.executions, 9))
+        guesses = rng.uniform(settings.guess_low, settings.guess_high, (settings.executions, 9))
         spread = prepared.torque_scale * reader.estimate(guesses)
         found = select(search(reader, prepared, settings, rng).beta, prepared, settings)
         return Reading(name, found.beta, samples=spread)
@@ -209,20 +211,20 @@ def _least_squares(regression: Regression) -> Iterator[Reading]:
         yield Reading(name, METHODS[name].estimate(regression).beta)
 
 
-def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], config: Config) -> pd.DataFrame:
+def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], config: Configuration) -> pd.DataFrame:
     """Record the arms of a job's cells, and identify each by every method."""
     own, rows, estimates = jobs(config)[job], [], list[tuple[Recording, Array, bool]]()
     c = excitation_config(config, own[0].excitation)
-    readers = Readers(training, {path.stem: path for path in weights}, config, signal_settings(c))
+    readers = Readers(training, {path.stem: path for path in weights}, config, c.signals)
     recorded = specimens(config, own, choice)
     for k, one in enumerate(over(recorded, f"identifying {len(recorded)} runs")):
         rng = prior_stream(config, Stream.STUDY_SEARCH, own[0].prior, one.labels["arm"])
         scores = Scores(one.recordings, c)
-        unit = prepare_recording(one.recordings[0], None, signal_settings(c)).torque_scale
+        unit = prepare_recording(one.recordings[0], None, c.signals).torque_scale
         searched = own[k * len(own) // len(recorded)].searched
         for reading in (Reading("true", one.true), *readers.read(one.recordings[0], searched, rng)):
             beta, row = reading.beta, {**one.labels, "method": reading.method}
-            row |= scores(beta, metric_settings(c))
+            row |= scores(beta, c.metric)
             row["torque_error"] = float(np.mean([relative_rms(r, beta) for r in scores.regressions[1:]]))
             row["parameter_error"] = float(np.sqrt(np.mean((beta - one.true) ** 2))) / unit
             rows.append({**row, **readers.judge(reading, one.true, unit, rng)})
@@ -230,7 +232,7 @@ def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], con
     return pd.DataFrame(rows).assign(position_error=_position_errors(estimates, config)).round(5)
 
 
-def _position_errors(estimates: Sequence[tuple[Recording, Array, bool]], config: Config) -> Array:
+def _position_errors(estimates: Sequence[tuple[Recording, Array, bool]], config: Configuration) -> Array:
     """RMS difference of T1 as recorded and as Eq. 1 with the estimate moves in the same loop, rad; NaN if it cannot."""
     every, betas, searched = zip(*estimates, strict=True)
     # For time only cells that every method is run in.

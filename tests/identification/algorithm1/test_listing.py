@@ -16,9 +16,9 @@ from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
 from repro.signals.trajectories import identification_trajectory
 
-SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
+SIGNALS = SignalSettings(sampling_period_s=0.02, image_samples=literal.SMALL.image_size)
 MARGIN = 25
-MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h, MARGIN)
+MOTION = identification_trajectory(SIGNALS.duration_s, SIGNALS.sampling_period_s, MARGIN)
 N1 = literal.ARMS["N1"]
 TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, N1)
 N = MOTION.q.shape[1]  # 521
@@ -70,7 +70,7 @@ def test_level_of_the_training_torque_cancels(factor):
 @given(st.floats(0.4, 3.0), st.sampled_from(sorted(literal.ARMS)), st.sampled_from([1.0, 0.03, 40.0]))
 def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm, strength):
     truth = strength * literal.ARMS[arm]
-    q = identification_trajectory(times * SIGNALS.duration, SIGNALS.h, MARGIN).q
+    q = identification_trajectory(times * SIGNALS.duration_s, SIGNALS.sampling_period_s, MARGIN).q
     n, exact = q.shape[1] - 2 * MARGIN, replace(SIGNALS, c_f=0.0)
     pace = MEAN.shape[1] / n
     tau = inverse_dynamics(*derivatives(q, exact), truth)
@@ -108,7 +108,7 @@ def test_wrong_signals_are_refused(change, rule):
 
 
 # Lines 13 to 32.
-SEARCH = SearchSettings(executions=12, inner_limit=6, threshold=0.62, high=0.5)
+SEARCH = SearchSettings(executions=12, inner_limit=6, threshold=0.62, guess_high=0.5)
 
 
 def constant(*rows):

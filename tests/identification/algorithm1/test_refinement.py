@@ -17,8 +17,8 @@ from repro.signals.dct import SignalSettings
 from repro.signals.metric import TorqueScorer
 from repro.signals.trajectories import identification_trajectory
 
-SIGNALS = SignalSettings(h=0.02, samples=literal.SMALL.image_size)
-MOTION = identification_trajectory(SIGNALS.duration, SIGNALS.h)
+SIGNALS = SignalSettings(sampling_period_s=0.02, image_samples=literal.SMALL.image_size)
+MOTION = identification_trajectory(SIGNALS.duration_s, SIGNALS.sampling_period_s)
 TAU = inverse_dynamics(MOTION.q, MOTION.dq, MOTION.ddq, literal.ARMS["N4"])
 PREPARED = prepare(filtered(MOTION.q, TAU, SIGNALS), np.ones_like(TAU), SIGNALS)
 TRUTH = literal.ARMS["N4"] / PREPARED.torque_scale
@@ -65,10 +65,10 @@ def literal_pass(best, estimator, rng, keep, reach, jitter, low, feed_back):
 @pytest.mark.parametrize(("keep", "read"), [(4, 4), (30, 4), (4, 2)])
 def test_passes_are_those_of_the_literal_listing(keep, read, feed_back):
     estimator, rng = towards_truth(0.1), np.random.default_rng(5)
-    fresh = estimator.estimate(rng.uniform(SEARCH.low, SEARCH.high, (7, 9)))
+    fresh = estimator.estimate(rng.uniform(SEARCH.guess_low, SEARCH.guess_high, (7, 9)))
     best = sorted([*near(6), *fresh], key=lambda beta: -similarity(beta[None])[0])[:keep]
     for k in range(4):
-        best = literal_pass(best, estimator, rng, keep, 0.6, 1e-3, SEARCH.low, feed_back and k < read)
+        best = literal_pass(best, estimator, rng, keep, 0.6, 1e-3, SEARCH.guess_low, feed_back and k < read)
     moves = {"reach": 0.6, "jitter": 1e-3, "read_passes": read}
     found = refined(towards_truth(0.1), near(6), passes=4, keep=keep, seed=5, feed_back=feed_back, **moves)
     np.testing.assert_allclose(found, best, rtol=1e-9)
@@ -137,9 +137,9 @@ def test_no_candidates_remain_none():
 @cache
 def estimates(starts, seed, uniform_seed=None, variant="published", passes=10, gain=2.0):
     """Every estimate; without `uniform_seed` the control without a network is left out."""
-    search = SearchSettings(executions=3, inner_limit=5, high=0.5)
-    refinement = RefinementSettings(restarts=30, keep=20, passes=passes, read_passes=1, starts=starts)
-    algorithm1 = Algorithm1(variant, literal.untrained(gain=gain), ImageSettings(), search, refinement)
+    search = SearchSettings(executions=3, inner_limit=5, guess_high=0.5)
+    refinement = RefinementSettings(restarts=30, keep=20, passes=passes, read_passes=1)
+    algorithm1 = Algorithm1(variant, literal.untrained(gain=gain), ImageSettings(), search, refinement, starts)
     uniform = None if uniform_seed is None else np.random.default_rng((uniform_seed, 2))
     found, _ = algorithm1.run(PREPARED, np.random.default_rng(seed), np.random.default_rng((seed, 1)), uniform)
     return found

@@ -42,8 +42,8 @@ def fit2trt(tau: Array, tau_mean: Array) -> float:
 
 def derivatives(q: Array, settings: SignalSettings) -> tuple[Array, Array, Array]:
     """Differentiate a position (2, N) twice (lines 1 and 2)."""
-    dq = dct2dev(q, settings.h, settings.c_f, settings.omega_unit)
-    return q, dq, dct2dev(dq, settings.h, settings.c_f, settings.omega_unit)
+    dq = dct2dev(q, settings.sampling_period_s, settings.filter_coefficient, settings.frequency_reading)
+    return q, dq, dct2dev(dq, settings.sampling_period_s, settings.filter_coefficient, settings.frequency_reading)
 
 
 def filtered(
@@ -51,14 +51,16 @@ def filtered(
 ) -> Regression:
     """Apply lines 1 to 4 of Algorithm 1 to measured q and tau (2, N); **cut** keeps the samples begin to end - 1."""
     q, tau = check_motion(q, tau)
-    n, m = q.shape[-1], settings.samples
+    n, m = q.shape[-1], settings.image_samples
     end = n if end is None else end
     if not 0 <= begin < end - m <= n - m:
         raise ValueError(f"begin, end: {begin} to {end} must lie in 0 to {n} and hold over {m} samples.")
-    tau = dct2low(tau, settings.h, settings.c_f, settings.omega_unit)  # line 3
+    tau = dct2low(tau, settings.sampling_period_s, settings.filter_coefficient, settings.frequency_reading)  # line 3
     q, dq, ddq, tau = (x[:, begin:end] for x in (*derivatives(q, settings), tau))  # line 4
-    time: Array = settings.h * np.arange(end - begin, dtype=np.float64)
-    return Regression(time, regressor(q, dq, ddq), tau, q, dq, ddq, np.ones(tau.shape, dtype=np.bool_), settings.h)
+    time: Array = settings.sampling_period_s * np.arange(end - begin, dtype=np.float64)
+    return Regression(
+        time, regressor(q, dq, ddq), tau, q, dq, ddq, np.ones(tau.shape, dtype=np.bool_), settings.sampling_period_s
+    )
 
 
 def prepare(
@@ -81,7 +83,7 @@ def prepare(
         (q, dq / time_scale, ddq / time_scale**2)
         for q, dq, ddq in ((r.q, r.dq, r.ddq), image_motion or (r.q, r.dq, r.ddq))
     )
-    q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.samples) for x in (*motion, r.tau))  # line 7
+    q_s, dq_s, ddq_s, tau_s = (dct2sub(x, settings.image_samples) for x in (*motion, r.tau))  # line 7
     torque_scale = float(np.abs(tau_s).max())  # line 12, bmax: one maximum for both torques
     return PreparedSignals(
         replace(r, q=motion[0], dq=motion[1], ddq=motion[2], y=regressor(*motion, steepness)),

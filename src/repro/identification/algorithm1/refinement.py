@@ -11,7 +11,7 @@ images. The other starts from uniform guesses without any image.
 
 from copy import deepcopy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from repro.cnn.image import ImageSettings
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, Selected, search, select
 from repro.identification.method import Estimate
+from repro.keys import SECTION, Count, Key, Level, Positive, Whole
 from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.metric import TorqueScorer
 
@@ -28,22 +29,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RefinementSettings:
-    """Budget and moves of the refinement."""
+    """Refinement of Algorithm 1's candidates by differential evolution."""
 
-    restarts: int = 500  # fresh guesses in addition to the candidates of Algorithm 1
-    keep: int = 200  # most similar candidates that survive a pass and are moved in the next
-    passes: int = 200  # with none there is no refinement
-    read_passes: int = 4  # passes whose guesses the network evaluates: an image costs a hundred times a comparison
-    reach: float = 1.2  # largest multiple of a difference that a candidate is moved by
-    #: Standard deviation of the normal numbers added to a moved candidate, in units of the largest torque: they reach
-    #: where the differences do not, such as when a single candidate remains.
-    jitter: float = 1e-4
-    starts: int = 1  # independent runs that are pooled: on a short log three of ten end in a local optimum
+    __pydantic_config__ = SECTION
+
+    restarts: Annotated[Whole, Key("fresh guesses in addition to Algorithm 1's candidates", "guesses")] = 500
+    keep: Annotated[Count, Key("most similar candidates that survive a pass", "candidates")] = 200
+    passes: Annotated[Whole, Key("number of passes; 0 only in section `networks`", "passes")] = 200
+    #: An image costs a hundred times a comparison.
+    read_passes: Annotated[Whole, Key("first passes, whose guesses the network reads", "passes")] = 4
+    reach: Annotated[Positive, Key("largest multiple of a difference that a candidate is moved by")] = 1.2
+    #: It reaches where the differences do not, such as when a single candidate remains.
+    jitter: Annotated[Level, Key("standard deviation of the normal noise added to every move", "largest torque")] = 1e-4
 
 
 def uniform_guesses(search: SearchSettings, rng: np.random.Generator) -> Array:
     """Draw the candidates (n, 9) of the control without a network: as many guesses as Algorithm 1 evaluates at most."""
-    guesses = rng.uniform(search.low, search.high, (search.executions * search.inner_limit, 9))
+    guesses = rng.uniform(search.guess_low, search.guess_high, (search.executions * search.inner_limit, 9))
     return guesses[FEASIBILITY[search.feasibility](guesses)]
 
 
@@ -64,6 +66,7 @@ class Algorithm1:
     image: ImageSettings  # divisors of Eq. 9 that the network was trained with
     search: SearchSettings
     refinement: RefinementSettings  # with no passes there is none
+    starts: int = 1  # independent runs of it that are pooled
 
     @property
     def literal(self) -> "Algorithm1":
@@ -72,8 +75,8 @@ class Algorithm1:
 
     def restart(self, estimator: ResidualEstimator, beta_m: Array, rng: np.random.Generator) -> Array:
         """Collect what is refined: `beta_m` (n, 9) and the possible estimates of fresh guesses."""
-        low, possible = self.search.low, FEASIBILITY[self.search.feasibility]
-        fresh = estimator.estimate(rng.uniform(low, self.search.high, (self.refinement.restarts, 9)))
+        low, possible = self.search.guess_low, FEASIBILITY[self.search.feasibility]
+        fresh = estimator.estimate(rng.uniform(low, self.search.guess_high, (self.refinement.restarts, 9)))
         candidates = np.concatenate([beta_m, fresh[possible(fresh)]])
         if len(candidates):
             return candidates
@@ -96,7 +99,7 @@ class Algorithm1:
 
         best, similarity = survivors(candidates[:0], np.empty(0), candidates)
         for done in range(settings.passes):
-            beta = _move(best, settings, self.search.low, rng)
+            beta = _move(best, settings, self.search.guess_low, rng)
             if estimator is not None and done < settings.read_passes:
                 beta = np.concatenate([beta, estimator.estimate(beta)])
             best, similarity = survivors(best, similarity, beta[possible(beta)])
@@ -124,7 +127,7 @@ class Algorithm1:
         def refined(feedback: ResidualEstimator | None, starts: Array, rng: np.random.Generator) -> Selected:
             """Select the most similar set of all runs; `rng` is left unchanged: refinement and control move alike."""
             first = deepcopy(rng)
-            moves = [first, *first.spawn(self.refinement.starts - 1)]
+            moves = [first, *first.spawn(self.starts - 1)]
             best = [self.refine(feedback, starts, signals, each) for each in moves]
             return select(np.concatenate(best), signals, self.search)
 

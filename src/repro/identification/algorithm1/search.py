@@ -1,18 +1,19 @@
 """Algorithm 1: lines 8 to 32, and the whole of it in one call; `preprocessing` has lines 1 to 12."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, get_args
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from repro.cnn.image import ImageSettings, guess_factors, torque_factors
 from repro.identification.algorithm1.preprocessing import PreparedSignals, filtered, prepare
+from repro.keys import SECTION, Count, Key, Positive, Share, renamed
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import FEASIBILITY, Array
 from repro.signals.dct import SignalSettings
-from repro.signals.metric import MetricSettings, TorqueScorer
+from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, TorqueScorer
 from repro.streams import Stream, stream
 
 if TYPE_CHECKING:
@@ -24,21 +25,36 @@ ARM_THRESHOLD = 0.9237  # similarity d_u that an execution must reach on an arm 
 
 
 @dataclass(frozen=True)
-class SearchSettings:
+class SearchConstants:
     """Constants of Algorithm 1."""
 
-    executions: int = 100  # N_exe (Section VI)
-    inner_limit: int = 1000  # L_exe, guesses within one execution; the paper does not give it
-    threshold: float = 0.9282  # d_u: 0.9282 for numeric, 0.9237 for experimental data (Section VI)
-    low: float = 1e-3  # smallest guess of line 17, in units of the largest torque
-    high: float = 3.0  # largest guess
-    #: What line 22 calls physically possible: "positive" (all nine parameters) or "positive-definite" (the
-    #: inertia matrix in every pose; no negative friction).
-    feasibility: str = "positive"
-    metric: MetricSettings = field(default_factory=MetricSettings)  # formulas of similarity; not public: leave it out
-    #: Motion that f of the image is taken on, line 18: "measured" as listed, or "desired", the one that was sent. The
-    #: function `algorithm1` knows the measured one only.
-    image_motion: ImageMotion = "measured"
+    __pydantic_config__ = SECTION
+
+    executions: Annotated[Count, Key("N_exe", source="published: line 9")] = 100
+    inner_limit: Annotated[Count, Key("L_exe, guesses in an execution", "guesses", "line 10")] = 1000
+    threshold: Annotated[
+        Share, Key("d_u, the similarity that ends an execution; of the numeric tests", "", "published: lines 8, 16")
+    ] = 0.9282
+    guess_low: Annotated[Positive, Key("lower end of the guesses", "largest torque", "published: line 17")] = 1e-3
+    guess_high: Annotated[
+        Positive, Key("their upper end", "largest torque", "published: line 17", "above `guess_low`")
+    ] = 3.0
+    feasibility: Annotated[
+        Literal["positive", "positive-definite"],
+        Key("all nine above zero, or M(q) positive definite for every q2 and no negative friction", source="line 22"),
+    ] = "positive"
+    #: The function `algorithm1` knows the measured one only.
+    image_motion: Annotated[
+        ImageMotion, Key("motion of f of the image: as listed, or the one sent (ours)", source="line 18")
+    ] = "measured"
+
+
+@renamed(low="guess_low", high="guess_high")
+@dataclass(frozen=True)
+class SearchSettings(SearchConstants):
+    """Constants of Algorithm 1 with the formulas of similarity."""
+
+    metric: MetricSettings = PUBLISHED_METRIC  # not public: leave it out
 
     def __post_init__(self) -> None:
         for name in ("executions", "inner_limit"):
@@ -47,8 +63,9 @@ class SearchSettings:
                 raise ValueError(f"{name}: expected an integer of at least 1, got {value!r}.")
         if not 0.0 <= self.threshold <= 1.0:
             raise ValueError(f"threshold: expected a fraction of 1, got {self.threshold!r}.")
-        if not 0.0 < self.low < self.high:
-            raise ValueError(f"low, high: expected 0 < low < high, got {self.low!r} and {self.high!r}.")
+        if not 0.0 < self.guess_low < self.guess_high:
+            found = f"{self.guess_low!r} and {self.guess_high!r}"
+            raise ValueError(f"guess_low, guess_high: expected 0 < guess_low < guess_high, got {found}.")
         for name, known in (("feasibility", tuple(FEASIBILITY)), ("image_motion", get_args(ImageMotion))):
             if getattr(self, name) not in known:
                 raise ValueError(f"{name}: expected one of {', '.join(known)}, got {getattr(self, name)!r}.")
@@ -138,7 +155,7 @@ def _execute(
     for _ in range(settings.inner_limit):  # lines 9, 10, 16: while n_e < u and N_it < L_exe
         if not running.size:
             break
-        beta_n = np.stack([streams[k].uniform(settings.low, settings.high, 9) for k in running])  # line 17
+        beta_n = np.stack([streams[k].uniform(settings.guess_low, settings.guess_high, 9) for k in running])  # line 17
         beta = estimator.estimate(beta_n)  # lines 18 to 21
         ok = possible(beta)  # line 22; what fails is beta = 0 with n_e = 0 (lines 23, 24)
         n_e = _similarity(score, beta, ok)
@@ -162,7 +179,7 @@ def search_in_turn(
     found, done, met = [Candidates(np.empty((0, 9)), np.empty(0), 0)], 0, 0
     for budget in budgets:
         while done < budget and met < settings.executions:
-            guess = rng.uniform(settings.low, settings.high, (min(BATCH, budget - done), 9))
+            guess = rng.uniform(settings.guess_low, settings.guess_high, (min(BATCH, budget - done), 9))
             beta = estimator.estimate(guess)
             ok = possible(beta)
             n_e = _similarity(score, beta, ok)
@@ -258,7 +275,7 @@ def algorithm1(
     constants = search_settings or SearchSettings(threshold=ARM_THRESHOLD)
     recorded = filtered(q, tau, signals, begin, end)
     # Line 5 fits the level to the mean training torque. Line 32 divides by that factor again, so any level will do.
-    slower = round(signals.duration / signals.h) / recorded.t.size
+    slower = round(signals.duration_s / signals.sampling_period_s) / recorded.t.size
     prepared = prepare(recorded, recorded.tau, signals, slower)
     estimator = ResidualEstimator(network, ImageSettings(), prepared)
     candidates = search(estimator, prepared, constants, stream(seed, Stream.EXPERIMENT_SEARCH))
