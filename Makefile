@@ -56,7 +56,7 @@ golden: setup
 
 rtl: setup-test
 	@$(PIP) install --quiet $(LOCK_OPTIONS) -r requirements-rtl.lock
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile rtl/tests tests/fpga/test_logic.py
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile rtl/tests tests/board/test_logic.py
 
 # Its packages are no part of the project, so they have an environment of their own.
 site: | check-python

@@ -26,7 +26,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(ROOT / "tests/examples"))
 from printed import same_output  # noqa: E402
 from realdata import NAMES, folder, log_file  # noqa: E402
 

@@ -61,7 +61,7 @@ from repro.cli import main
 from repro.config.check import load_config
 from repro.config.sections import changed
 from repro.fingerprint import differing, fingerprint
-from repro.pipeline.experiment import acquire, read_recording
+from repro.experiments.arm import acquire, read_recording
 recorded = json.loads(Path("docs/reference/provenance.json").read_text())["fingerprint"]
 print(len(differing(recorded, fingerprint())))
 config = load_config(Path("config/config.yaml"))

@@ -15,10 +15,10 @@ import torch
 from repro.cnn.network import load_network
 from repro.config.check import load_config
 from repro.config.sections import data_settings, search_settings
+from repro.experiments.identifications import mean_training_torque
 from repro.identification.algorithm1.preprocessing import filtered, prepare
 from repro.identification.algorithm1.search import ResidualEstimator, search, select
 from repro.model.dynamics import rebuild_torque, regressor
-from repro.pipeline.identifications import mean_training_torque
 from repro.signals.trajectories import identification_trajectory
 
 

@@ -11,13 +11,13 @@ contract.hold(os.environ)
 
 import numpy as np
 
+from repro.board.controller import simulate
+from repro.board.frames import encode
+from repro.board.messages import encode_start
+from repro.board.plant import Plant
 from repro.config.check import load_config
 from repro.config.sections import changed
-from repro.fpga.controller import simulate
-from repro.fpga.frames import encode
-from repro.fpga.messages import encode_start
-from repro.fpga.plant import Plant
-from repro.pipeline.experiment import (
+from repro.experiments.arm import (
     board_from_config,
     control_constants,
     disturbance,

@@ -18,21 +18,21 @@ import numpy as np
 import torch
 from identify_speed import made_up, silent
 
+from repro.board.controller import simulate
+from repro.board.plant import Plant
 from repro.cnn.train import train
 from repro.commands.identify import LEAST_SQUARES
 from repro.config.check import load_config
 from repro.config.sections import data_settings, of_network
-from repro.fpga.controller import simulate
-from repro.fpga.plant import Plant
-from repro.logs.armfile import Arm
-from repro.ownarm.evaluate import assemble, fit_all, resolve
-from repro.ownarm.prepare import Options, load_log
-from repro.ownarm.problem import make_problem
-from repro.pipeline.experiment import control_constants, program_from_config, read_recordings, true_parameters
-from repro.pipeline.identifications import identify_recording, mean_training_torque
-from repro.pipeline.networks import algorithm1_of, for_the_arm
-from repro.pipeline.simulated_arms import training_motion
-from repro.pipeline.stored_networks import configuration_digest, stored_files
+from repro.experiments.arm import control_constants, program_from_config, read_recordings, true_parameters
+from repro.experiments.identifications import identify_recording, mean_training_torque
+from repro.experiments.networks import algorithm1_of, for_the_arm
+from repro.experiments.simulated_arms import training_motion
+from repro.experiments.stored_networks import configuration_digest, stored_files
+from repro.fitting.evaluate import assemble, fit_all, resolve
+from repro.fitting.prepare import Options, load_log
+from repro.fitting.problem import make_problem
+from repro.identification.armfile import Arm
 
 CONFIG = load_config(Path("config/config.yaml"))
 TRACKED = of_network(CONFIG, "tracked")

@@ -21,11 +21,11 @@ contract.hold(os.environ)
 import numpy as np
 
 from repro.commands.identify import LEAST_SQUARES
-from repro.logs.armfile import Arm
+from repro.fitting.evaluate import assemble, fit_all, resolve
+from repro.fitting.prepare import Options, load_log
+from repro.fitting.problem import make_problem
+from repro.identification.armfile import Arm
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.evaluate import assemble, fit_all, resolve
-from repro.ownarm.prepare import Options, load_log
-from repro.ownarm.problem import make_problem
 
 BETA = np.array([0.13, 0.067, 0.026, 3.4, 1.1, 0.05, 0.02, 0.2, 0.15])
 

@@ -22,19 +22,19 @@ import numpy as np
 import pandas as pd
 import planar_arms
 
-from repro.fpga.plant import Unmodelled
+from repro.board.plant import Unmodelled
+from repro.fitting.evaluate import evaluate, fit
+from repro.fitting.prepare import LoadedLog, Options
+from repro.fitting.problem import make_problem
+from repro.identification.armfile import Arm
 from repro.identification.least_squares import METHODS
+from repro.identification.log import Log
 from repro.identification.uncertainty import REPLICATES, block_length, resample
-from repro.logs.armfile import Arm
 from repro.logs.diagnostics import Description
-from repro.logs.log import Log
 from repro.model.parameters import NAMES
-from repro.ownarm.evaluate import evaluate, fit
-from repro.ownarm.prepare import LoadedLog, Options
-from repro.ownarm.problem import make_problem
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(ROOT / "tests/examples"))
 from board_arms import multisine, random_arms, recorded
 
 SEED = 417

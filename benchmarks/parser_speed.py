@@ -11,9 +11,9 @@ contract.hold(os.environ)
 
 import numpy as np
 
-from repro.fpga.channel_errors import ErrorInjector, ErrorRates
-from repro.fpga.frames import FRAME_BYTES, RADIANS_PER_COUNT, SAMPLING_PERIOD, encode
-from repro.fpga.parser import StreamParser
+from repro.board.channel_errors import ErrorInjector, ErrorRates
+from repro.board.frames import FRAME_BYTES, RADIANS_PER_COUNT, SAMPLING_PERIOD, encode
+from repro.board.parser import StreamParser
 
 
 def motion(frames: int, rng: np.random.Generator) -> bytes:

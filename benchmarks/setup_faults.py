@@ -17,11 +17,11 @@ contract.hold(os.environ)
 
 import numpy as np
 
+from repro.fitting.prepare import LoadedLog, Options, load_log
+from repro.fitting.problem import make_problem
+from repro.identification.armfile import Arm
 from repro.identification.calibration import correct_calibration
 from repro.identification.filtering import MAX_DELAY
-from repro.logs.armfile import Arm
-from repro.ownarm.prepare import LoadedLog, Options, load_log
-from repro.ownarm.problem import make_problem
 
 DEGREE = float(np.pi / 180.0)
 #: Zeros in rad, offsets in shares of the largest torque, delays in s.

@@ -13,7 +13,7 @@ from repro import contract
 
 contract.hold(os.environ)
 
-from repro.pipeline.job import set_allocator
+from repro.experiments.job import set_allocator
 
 #: Networks, threads of each, busy processes beside them.
 ROWS = ((1, 2, 0), (1, 1, 0), (2, 1, 0), (1, 2, 1), (1, 1, 1), (2, 1, 1), (1, 1, 2), (2, 1, 2))

@@ -10,7 +10,7 @@ from repro import contract
 
 contract.hold(os.environ)
 
-from repro.pipeline.job import ALLOCATOR, set_allocator
+from repro.experiments.job import ALLOCATOR, set_allocator
 
 if any(name not in os.environ for name in ALLOCATOR):  # glibc reads them when a process starts
     set_allocator(os.environ)
@@ -27,7 +27,7 @@ from repro.cnn.train import streamed_schedule
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests/examples"))
 from literal import SignalCNN
 
 #: Steps a network takes in a row, so that each works from its own cache.

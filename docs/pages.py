@@ -19,7 +19,7 @@ import pandas as pd
 
 import repro
 from repro.cli import parser
-from repro.exhibits.style import METHODS, title_of
+from repro.drawing.style import METHODS, title_of
 from repro.keys import Key
 from repro.paper.published import load_published
 

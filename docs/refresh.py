@@ -14,10 +14,11 @@ from PIL import Image
 from repro.config.check import load_config, read_config
 from repro.config.sections import plain
 from repro.exhibits.catalogue import EXHIBITS
+from repro.experiments.record import ASKED_FOR, config_digest
+from repro.experiments.stored_networks import stored_files
 from repro.files import write_json
 from repro.paper.ledger import write_ledger
-from repro.pipeline.provenance import ASKED_FOR, commit, config_digest
-from repro.pipeline.stored_networks import stored_files
+from repro.provenance import commit
 
 #: Relative to the project, as the ledger's list of files is.
 GALLERY, REFERENCE, CONFIG = Path("docs/gallery"), Path("docs/reference"), Path("config/config.yaml")

@@ -1,4 +1,4 @@
-"""The closed loop of the simulated design and the simulated arm: `repro.fpga.server.Board` with the design's logic.
+"""The closed loop of the simulated design and the simulated arm: `repro.board.server.Board` with the design's logic.
 
 The arm sees the board's pins alone. Its encoders turn to the position of the next sampling instant, and the torque of a
 frame acts on it for one sampling period, as for the board in Python.
@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from repro.fpga.frames import FRAME_BYTES, RADIANS_PER_COUNT, split_words
-from repro.fpga.messages import MessageKind, encode_identity
-from repro.fpga.plant import Plant
-from repro.fpga.server import Board
+from repro.board.frames import FRAME_BYTES, RADIANS_PER_COUNT, split_words
+from repro.board.messages import MessageKind, encode_identity
+from repro.board.plant import Plant
+from repro.board.server import Board
 from rtl.simulation import Simulation
 
 

@@ -30,4 +30,4 @@ def _no_handler_is_left_behind():
 @pytest.fixture
 def no_figures(monkeypatch):
     """Leave out the figures of `repro identify`, which take longer than all the rest: kept results show them."""
-    monkeypatch.setattr("repro.ownarm.outputs.figures_of", lambda result, curves: {})
+    monkeypatch.setattr("repro.fitting.outputs.figures_of", lambda result, curves: {})

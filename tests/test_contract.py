@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from repro import contract
-from repro.fpga.capture import read_capture
-from repro.fpga.frames import RADIANS_PER_COUNT
-from repro.pipeline.experiment import check_recorded, program_from_config
+from repro.board.capture import read_capture
+from repro.board.frames import RADIANS_PER_COUNT
+from repro.experiments.arm import check_recorded, program_from_config
 
 from experiment_example import CAPTURES, full_config, refused  # isort: skip
 
@@ -81,7 +81,7 @@ DESIRED = """
 import sys
 from pathlib import Path
 from repro.config.check import load_config
-from repro.pipeline.experiment import program_from_config
+from repro.experiments.arm import program_from_config
 config = load_config(Path("config/config.yaml"))
 print(*(program_from_config(config, name).q.tobytes().hex() for name in ("ID", "T3")))
 """

@@ -8,13 +8,13 @@ from kept import flat, same
 
 from repro.cnn.dataset import DataSettings, UnmodelledSettings, draw_samples, sample_motion
 from repro.cnn.priors import GuessSettings, Prior, sample_beta, training_guess
+from repro.experiments.simulated_arms import draw_arms, draw_built_arms
 from repro.identification.algorithm1.refinement import RefinementSettings, _move, uniform_guesses
 from repro.identification.algorithm1.search import SearchSettings
+from repro.identification.armfile import Arm
 from repro.identification.exciting_motion import Envelope, expected_accuracy, published
 from repro.identification.uncertainty import resample
-from repro.logs.armfile import Arm
 from repro.paper.metric_search import MOTIONS
-from repro.pipeline.simulated_arms import draw_arms, draw_built_arms
 from repro.signals.dct import SignalSettings
 from repro.signals.programs import PROGRAMS, TrajectorySettings, peaks, reference_trajectory
 from repro.signals.trajectories import identification_trajectory

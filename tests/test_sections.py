@@ -8,12 +8,12 @@ from experiment_example import changed, full_config
 from repro.cnn.architecture import NetworkSettings, PaperSchedule, TrainingSettings
 from repro.cnn.dataset import DataSettings, UnmodelledSettings
 from repro.config.sections import data_settings, job_configuration, of_network, search_settings, stated
+from repro.experiments.arm import program_settings
+from repro.experiments.stored_networks import configuration_digest, training_config
 from repro.identification.algorithm1.refinement import RefinementSettings
 from repro.identification.algorithm1.search import ARM_THRESHOLD, SearchSettings
 from repro.keys import renamed
 from repro.model.dynamics import ArmGeometry
-from repro.pipeline.experiment import program_settings
-from repro.pipeline.stored_networks import configuration_digest, training_config
 from repro.signals.dct import SignalSettings
 from repro.signals.metric import MetricSettings
 from repro.signals.programs import TrajectorySettings

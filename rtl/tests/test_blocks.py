@@ -10,8 +10,8 @@ from amaranth.hdl import Module
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from repro.board.frames import encode
 from repro.errors import InputError
-from repro.fpga.frames import encode
 from rtl.aq_time import AqTime
 from rtl.aq_uart import AqUart
 from rtl.de0_nano import write_project

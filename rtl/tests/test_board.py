@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from repro.config.check import load_config
-from repro.fpga.capture import read_capture
-from repro.fpga.channel_errors import ErrorInjector, ErrorRates
-from repro.fpga.messages import (
+from repro.board.capture import read_capture
+from repro.board.channel_errors import ErrorInjector, ErrorRates
+from repro.board.messages import (
     MessageDecoder,
     MessageKind,
     encode_gains,
@@ -17,8 +16,9 @@ from repro.fpga.messages import (
     encode_start,
     encode_trajectory,
 )
-from repro.fpga.server import Board
-from repro.pipeline.experiment import board_from_config, control_constants, metadata_for, program_from_config
+from repro.board.server import Board
+from repro.config.check import load_config
+from repro.experiments.arm import board_from_config, control_constants, metadata_for, program_from_config
 from rtl.loop import LogicBoard
 from rtl.simulation import Simulation
 

@@ -5,7 +5,7 @@ import pytest
 from amaranth.hdl import Module
 from amaranth.lib import wiring
 
-from repro.fpga.controller import PDController
+from repro.board.controller import PDController
 from rtl.fp_ops import FpOps
 from rtl.pd import PD
 from rtl.tests.bench import simulate

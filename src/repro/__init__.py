@@ -9,16 +9,16 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from repro.api import Identification, identify
+    from repro.board.capture import read_capture
     from repro.cnn.image import images
     from repro.cnn.network import load_network
     from repro.errors import InputError
-    from repro.fpga.capture import read_capture
+    from repro.fitting.api import Identification, identify
     from repro.identification.algorithm1.search import SearchSettings, algorithm1
+    from repro.identification.armfile import Arm, read_arm
     from repro.identification.exciting_motion import excite
-    from repro.logs.armfile import Arm, read_arm
+    from repro.identification.log import Log
     from repro.logs.load import read_log
-    from repro.logs.log import Log
     from repro.model.dynamics import inverse_dynamics, regressor
     from repro.signals.dct import SignalSettings
     from repro.signals.dct import dct2dev as differentiate
@@ -29,22 +29,22 @@ __version__ = "0.1.0"
 
 #: Module and name of each public object.
 _PUBLIC = {
-    "Arm": ("repro.logs.armfile", "Arm"),
-    "Identification": ("repro.api", "Identification"),
+    "Arm": ("repro.identification.armfile", "Arm"),
+    "Identification": ("repro.fitting.api", "Identification"),
     "InputError": ("repro.errors", "InputError"),
-    "Log": ("repro.logs.log", "Log"),
+    "Log": ("repro.identification.log", "Log"),
     "SearchSettings": ("repro.identification.algorithm1.search", "SearchSettings"),
     "SignalSettings": ("repro.signals.dct", "SignalSettings"),
     "algorithm1": ("repro.identification.algorithm1.search", "algorithm1"),
     "differentiate": ("repro.signals.dct", "dct2dev"),
     "excite": ("repro.identification.exciting_motion", "excite"),
-    "identify": ("repro.api", "identify"),
+    "identify": ("repro.fitting.api", "identify"),
     "images": ("repro.cnn.image", "images"),
     "inverse_dynamics": ("repro.model.dynamics", "inverse_dynamics"),
     "load_network": ("repro.cnn.network", "load_network"),
     "low_pass": ("repro.signals.dct", "dct2low"),
-    "read_arm": ("repro.logs.armfile", "read_arm"),
-    "read_capture": ("repro.fpga.capture", "read_capture"),
+    "read_arm": ("repro.identification.armfile", "read_arm"),
+    "read_capture": ("repro.board.capture", "read_capture"),
     "read_log": ("repro.logs.load", "read_log"),
     "regressor": ("repro.model.dynamics", "regressor"),
     "similarity": ("repro.signals.metric", "metr2ev"),

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 from chromium import Chromium, find_chromium
-from ownarm_example import example_curves, example_result
+from fitting_example import example_curves, example_result
 from report_example import make_example
 
 from repro.files import write_text
-from repro.ownarm.figures import figures_of
-from repro.ownarm.outputs import FILES, render_page
+from repro.fitting.figures import figures_of
+from repro.fitting.outputs import FILES, render_page
 from repro.report.page import build_report
 
 

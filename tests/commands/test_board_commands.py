@@ -13,20 +13,20 @@ from cli_with_fake_board import DESIRED, FRAMES, load_config, stub
 from experiment_example import full_config
 from fake_board import PlayedBoard, metadata, served
 
+from repro.board.capture import read_capture, write_capture
+from repro.board.link import most_bytes
+from repro.board.messages import MessageKind
+from repro.board.server import PtyEndpoint
 from repro.cli import main
 from repro.commands.boards import program_of
 from repro.errors import InputError
-from repro.fpga.capture import read_capture, write_capture
-from repro.fpga.link import most_bytes
-from repro.fpga.messages import MessageKind
-from repro.fpga.server import PtyEndpoint
 
-SCRIPT = Path(__file__).parents[1] / "cli_with_fake_board.py"
+SCRIPT = Path(__file__).parents[1] / "examples/cli_with_fake_board.py"
 
 
 @pytest.fixture(autouse=True)
 def experiment(monkeypatch):
-    monkeypatch.setitem(sys.modules, "repro.pipeline.experiment", stub())
+    monkeypatch.setitem(sys.modules, "repro.experiments.arm", stub())
     monkeypatch.setattr("repro.config.check.load_config", load_config)
 
 

@@ -35,7 +35,7 @@ CAPTURE = ROOT / "data" / "captures" / "T4.bin"
     ],
 )
 def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys, argv, words):
-    monkeypatch.setattr("repro.fpga.server.serve", None)  # a board that is served has no end
+    monkeypatch.setattr("repro.board.server.serve", None)  # a board that is served has no end
     with pytest.raises(SystemExit) as stop:
         sys.exit(main(argv))
     assert stop.value.code == 2

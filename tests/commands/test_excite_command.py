@@ -13,8 +13,8 @@ from repro.cli import main
 from repro.commands.boards import program_of
 from repro.commands.excite import read_guess
 from repro.config.check import load_config
+from repro.identification.armfile import read_arm
 from repro.identification.exciting_motion import Envelope, published
-from repro.logs.armfile import read_arm
 from repro.logs.load import read_log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES, UNITS

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 import torch
 from experiment_example import CAPTURES, ROOT
+from fitting_problem import FILES, write_log
 from log_example import BETA, motion
-from ownarm_problem import FILES, write_log
 
 from repro.cli import main
 from repro.cnn import architecture
@@ -71,7 +71,9 @@ def test_every_option_reaches_the_function(log, tmp_path, monkeypatch):
     given, arm, prior = {}, tmp_path / "arm.yaml", tmp_path / "prior.json"
     arm.write_text("gravity: 9.7\n")
     monkeypatch.setattr("repro.commands.boards.record", lambda _: 0)
-    monkeypatch.setattr("repro.api.identify", lambda log, **options: given.update(options, log=log) or sys.exit(7))
+    monkeypatch.setattr(
+        "repro.fitting.api.identify", lambda log, **options: given.update(options, log=log) or sys.exit(7)
+    )
     options = ["--validate", log, "--arm", arm, "--filter", "butterworth", "--cutoff", 7.5, "--friction", "--seed", 6]
     options += ["--prior", prior, "--self-test", "--steps", 9, "--cache", tmp_path, "--method", "weighted"]
     with pytest.raises(SystemExit, match="7"):
@@ -218,7 +220,7 @@ def test_a_method_is_a_function_and_an_entry(log, tmp_path):
     (folder / "least_squares.py").write_text(code.replace("    for method in (\n", f"    for method in (\n{entry}\n"))
     names = (folder / "method.py").read_text()
     (folder / "method.py").write_text(names.replace("LEAST_SQUARES = (", 'LEAST_SQUARES = ("ridge", '))
-    without = "from repro.ownarm import outputs; outputs.figures_of = lambda *_: {}; from repro.cli import main; "
+    without = "from repro.fitting import outputs; outputs.figures_of = lambda *_: {}; from repro.cli import main; "
     options = [str(log), "--method", "ridge", "-o", str(tmp_path / "out")]
     command = [sys.executable, "-c", f"{without}raise SystemExit(main(['identify', *{options}]))"]
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}

@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.transforms import Bbox
 from PIL import Image
 
-from repro.exhibits import style
+from repro.drawing import style
 
 pytestmark = pytest.mark.slow
 

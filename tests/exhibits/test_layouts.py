@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from kept import same
 
-from repro.exhibits import markup
+from repro.drawing import markup
 
 
 @given(st.text(st.characters(codec="ascii", categories=("L", "N", "P", "S", "Zs"))))

@@ -8,7 +8,7 @@ import pytest
 from exhibit_examples import FRAMES, RIVALS, made
 from matplotlib.colors import to_rgb
 
-from repro.exhibits import style
+from repro.drawing import style
 from repro.identification.method import TABLE_METHODS
 
 

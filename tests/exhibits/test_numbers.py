@@ -14,11 +14,12 @@ from kept import same
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.network import FactoredCNN
 from repro.config.sections import job_configuration, stated
-from repro.exhibits import catalogue, network_training, style
+from repro.drawing import style
+from repro.exhibits import catalogue, network_training
 from repro.exhibits.arm_experiment import stability_table
 from repro.exhibits.declare import make_exhibit
+from repro.experiments.arm import true_parameters
 from repro.files import write_csv
-from repro.pipeline.experiment import true_parameters
 from repro.signals.programs import PROGRAMS
 
 CONFIG = changed(full_config(), network={"hidden": (4, 3)})

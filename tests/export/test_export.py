@@ -14,10 +14,10 @@ from kept import same
 from simulators import torque_by_mujoco, torque_by_pinocchio
 from strategies import seeds
 
-from repro.export import horizontal_links_of, links_of, mjcf, principal_inertia, urdf
+from repro.fitting.export import horizontal_links_of, links_of, mjcf, principal_inertia, urdf
+from repro.fitting.outputs import METHODS_FILE, entries
 from repro.model.dynamics import inverse_dynamics, mass_matrix
 from repro.model.parameters import STANDARD_GRAVITY, Links, inertial_from_links
-from repro.ownarm.outputs import METHODS_FILE, entries
 
 # What the owners of a real arm, geared and with l1 = 0.3 m, published of it.
 REAL = np.array([0.1346, 0.0666, 0.0267, 3.425, 1.090, 0.001, 0.001, 0.146, 0.123])

@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fitting_problem import ARM, loaded, problem_of_logs
 from log_example import BETA, motion
-from ownarm_problem import ARM, loaded, problem_of_logs
 from regression_example import beta_of, log_from, with_noise
 
+from repro.fitting.prior import read_prior
+from repro.fitting.problem import SCALE_OF_JOINT_1
+from repro.fitting.text import calibration_lines
 from repro.identification import calibration
 from repro.identification.calibration import CANDIDATES, CalibrationError, calibration_limits, find_calibration_errors
 from repro.identification.extra_terms import ExtraTerm, best_subset, find_terms, subtract_terms
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.regression import drop_standstill, solve
 from repro.model.dynamics import inverse_dynamics
-from repro.ownarm.prior import read_prior
-from repro.ownarm.problem import SCALE_OF_JOINT_1
-from repro.ownarm.text import calibration_lines
 
 pytestmark = pytest.mark.slow
 

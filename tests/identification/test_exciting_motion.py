@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from repro.identification import exciting_motion
+from repro.identification.armfile import Arm
 from repro.identification.exciting_motion import Envelope, design, expected_accuracy, published
-from repro.logs.armfile import Arm
 from repro.model.dynamics import ArmGeometry, forward_kinematics, inverse_dynamics, regressor
 
 BETA = np.array([0.12, 0.0026, 0.0227, 0.95, 0.078, 0.08, 0.0036, 0.454, 0.31])

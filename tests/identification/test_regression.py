@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fitting_problem import noisy
 from hypothesis import given
 from log_example import BETA, motion
-from ownarm_problem import noisy
 from regression_example import H, beta_of, noisy_problem, regression_of, rows_of
 from scipy.optimize import lsq_linear
 from strategies import seeds
@@ -14,9 +14,9 @@ from strategies import seeds
 from repro.identification.excitation import excitation
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
+from repro.identification.log import Log
 from repro.identification.regression import Prior, drop_standstill, joined, masked, residual_autocorrelation, solve
 from repro.identification.uncertainty import Perturbation, attach_prior, bootstrap
-from repro.logs.log import Log
 from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import NAMES
 

@@ -10,8 +10,8 @@ from regression_example import regression_of
 from scipy.integrate import solve_ivp
 
 from repro.identification.filtering import FilterSettings
+from repro.identification.log import Log
 from repro.identification.scores import WINDOW, integrate, position_errors, relative_rms, similarity
-from repro.logs.log import Log
 from repro.model.dynamics import forward_dynamics, inverse_dynamics
 from repro.model.parameters import NAMES
 

@@ -10,11 +10,11 @@ from log_damage import GOOD, NOISE, REFUSED, SUSPECTED, absolute, scaled
 from log_example import BETA, motion, write
 
 from repro.errors import InputError
+from repro.identification.armfile import Arm
+from repro.identification.log import Log, uniform
 from repro.logs import torque_limits
-from repro.logs.armfile import Arm
 from repro.logs.diagnostics import describe, diagnose
 from repro.logs.load import read_log
-from repro.logs.log import Log, uniform
 from repro.model.dynamics import forward_dynamics
 
 pytestmark = pytest.mark.slow

@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from strategies import seeds
 
 from repro.errors import InputError
-from repro.logs.armfile import Arm
+from repro.identification.armfile import Arm
 from repro.logs.load import read_log
 
 GOOD = recording(np.arange(600) / RATE)

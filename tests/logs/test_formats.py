@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import RATE, assert_same, columns, recording
 
-from repro.logs.armfile import Arm
+from repro.identification.armfile import Arm
 from repro.logs.load import read_log
 from repro.logs.table import list_lines
 

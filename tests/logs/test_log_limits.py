@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from log_example import columns, recording, text, write
 
 from repro.errors import InputError
+from repro.identification.armfile import Arm, read_arm
+from repro.identification.log import uniform
 from repro.logs import table
-from repro.logs.armfile import Arm, read_arm
 from repro.logs.diagnostics import describe
 from repro.logs.load import read_log
-from repro.logs.log import uniform
 
 GOOD = columns(recording(np.arange(600) / 200.0))
 

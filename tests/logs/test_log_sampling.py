@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from log_example import RATE, assert_same, log_of, motion, recording
 from strategies import seeds
 
-from repro.logs.armfile import Arm
+from repro.fitting.prepare import load_log
+from repro.identification.armfile import Arm
+from repro.identification.log import uniform
 from repro.logs.diagnostics import describe
-from repro.logs.log import uniform
 from repro.logs.torque_limits import quantisation_step, saturated, unreliable_torque
-from repro.ownarm.prepare import load_log
 
 GOOD = recording()
 

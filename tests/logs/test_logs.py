@@ -8,12 +8,12 @@ from experiment_example import refused
 from fake_board import CONTROL, metadata, motion
 from log_example import assert_same, columns, recording, text, write
 
-from repro.fpga.capture import to_table, write_capture
-from repro.fpga.frames import encode
-from repro.logs.armfile import Arm
+from repro.board.capture import to_table, write_capture
+from repro.board.frames import encode
+from repro.identification.armfile import Arm
+from repro.identification.log import uniform
 from repro.logs.diagnostics import describe
 from repro.logs.load import read_log
-from repro.logs.log import uniform
 
 GOOD = recording()
 TABLE = columns(GOOD)

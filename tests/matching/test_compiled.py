@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from repro.fpga.controller import ControlConstants, simulate
-from repro.fpga.plant import Plant, Unmodelled
+from repro.board.controller import ControlConstants, simulate
+from repro.board.plant import Plant, Unmodelled
 from repro.matching.compiled import record
 from repro.signals.programs import TrajectorySettings, identification_reference, reference_trajectory
 from repro.signals.validation_motions import RandomMotion

@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 import yaml
 
+from repro.experiments.accepted import experiment_config, experiment_units, read_experiments, settings_of
+from repro.experiments.arm import true_parameters
 from repro.matching import search
 from repro.matching.evidence import MAX_OVER_BOUND, MAX_TOTALS_RMS, MAX_TRACKING_DISTANCE, outcome_of, published
 from repro.matching.search import IMPOSSIBLE, TERMS, Problem, misfit_table
 from repro.matching.unknowns import HYPOTHESES, RANGES, VISCOUS
 from repro.model.parameters import NAMES
 from repro.paper.appendix import reproduced
-from repro.pipeline.accepted import experiment_config, experiment_units, read_experiments, settings_of
-from repro.pipeline.experiment import true_parameters
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "data/experiments"

@@ -41,7 +41,7 @@ def test_expressions_are_arithmetic_on_names(expression, value):
         ("config:arm.link_lengths_m[0]", "more", 0.2, "config/config.yaml: arm.link_lengths_m, more"),
         ("config:len(networks['paper-recipe'])", "", 2.0, "config/config.yaml: networks.paper-recipe"),
         ("schedule:training.paper.images", "paper's", 40.0, "config/config.yaml: training.paper.images, paper's"),
-        ("const:fpga.frames:PWM_LIMIT", "counts", 1023.0, "counts; repro.fpga.frames"),
+        ("const:board.frames:PWM_LIMIT", "counts", 1023.0, "counts; repro.board.frames"),
         ("arithmetic:audit['check']/2", "{audit['check']:.3f} / {printed['section3/joints']}", 1.25, "2.500 / 2"),
         ("bench", "a clock", pytest.approx(math.nan, nan_ok=True), "a clock"),
     ],
@@ -55,8 +55,8 @@ def test_each_source_has_its_value_and_note(ours, note, value, shown):
 @pytest.mark.parametrize(
     "ours",
     [
-        "config:arm.nothing", "config:arm.link_lengths_m[9]", "const:no.module:X", "const:fpga.frames:__name__",
-        "const:fpga.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +"
+        "config:arm.nothing", "config:arm.link_lengths_m[9]", "const:no.module:X", "const:board.frames:__name__",
+        "const:board.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +"
     ]
 )  # fmt: skip
 def test_what_is_no_arithmetic_on_known_names_is_refused(ours):

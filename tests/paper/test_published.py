@@ -10,8 +10,8 @@ import pytest
 from experiment_example import refused
 
 import repro
+from repro.experiments.code import CodeDigests
 from repro.paper.published import KINDS, PUBLISHED_FILE, RELATIONS, load_published
-from repro.pipeline.code import CodeDigests
 
 PUBLISHED = load_published()
 NAMES = ("I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2")

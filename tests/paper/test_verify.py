@@ -16,10 +16,10 @@ from experiment_example import refused
 from repro.cli import main
 from repro.config.check import load_config, read_config
 from repro.config.sections import changed
+from repro.experiments.record import changed_settings, config_digest
 from repro.files import write_json
 from repro.paper import ledger
 from repro.paper.ledger import CLAIMS, PAGE, PUBLISHED_NAME, SOURCES, read_sources, write_ledger
-from repro.pipeline.provenance import changed_settings, config_digest
 
 pytestmark = pytest.mark.slow
 

@@ -14,11 +14,16 @@ pytestmark = pytest.mark.slow
 RULES = "".join(file.read_text(encoding="utf-8") for file in (ROOT / "workflow" / "rules").glob("*.smk"))
 #: Modules of functions that rules call, and those that run a network.
 CALLED = set(re.findall(r'"(repro[\w.]+):\w+"', RULES))
-WITH_NETWORK = {"repro.pipeline.networks", "repro.pipeline.coverage", "repro.pipeline.guesses", "repro.study.readers"}
+WITH_NETWORK = {
+    "repro.experiments.networks",
+    "repro.experiments.coverage",
+    "repro.experiments.guesses",
+    "repro.study.readers",
+}
 SCRIPTS = (ROOT / "workflow" / "scripts").glob("*.py")
 #: What the Snakefile and the command line load.
 LOADED = ("job", "provenance", "experiment", "factorial", "interpretations", "stored_networks")
-OUTSIDE_JOBS = ("repro.cli", "repro.study.design", *(f"repro.pipeline.{name}" for name in LOADED))
+OUTSIDE_JOBS = ("repro.cli", "repro.study.design", *(f"repro.experiments.{name}" for name in LOADED))
 
 
 def test_what_runs_no_network_loads_no_torch():

@@ -23,10 +23,10 @@ from snakemake.api import ConfigSettings, DAGSettings, OutputSettings, ResourceS
 from snakemake.cli import main
 
 from repro.exhibits import catalogue
+from repro.experiments.factorial import CELLS
 from repro.paper.ledger import compute
 from repro.paper.our_values import Results
 from repro.paper.published import load_published
-from repro.pipeline.factorial import CELLS
 from repro.signals.programs import PROGRAMS
 
 pytestmark = pytest.mark.slow

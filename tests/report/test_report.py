@@ -14,10 +14,10 @@ from html_page import Page
 from PIL import Image
 from report_example import TRICKY, claim_rows, make_example
 
+from repro.drawing.embed import link
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.files import read_csv, write_csv
 from repro.report import page as page_module
-from repro.report.embed import link
 from repro.report.page import answer, build_report, closing_lines, made_on_request, read_claims
 
 

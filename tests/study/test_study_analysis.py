@@ -6,7 +6,7 @@ import pytest
 from scipy import stats
 from study_example import outcomes
 
-from repro.pipeline.monte_carlo import EQUIVALENT, OPEN
+from repro.experiments.monte_carlo import EQUIVALENT, OPEN
 from repro.study import analysis
 from repro.study.design import RANKS
 

@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 from experiment_example import ROOT, changed, full_config, refused
 
+from repro.board.frames import RADIANS_PER_COUNT
 from repro.config.check import load_config
+from repro.experiments.arm import Recording, control_constants, true_parameters
+from repro.experiments.simulated_arms import is_within_limits
 from repro.files import write_tensors
-from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.model.dynamics import regressor
-from repro.pipeline.experiment import Recording, control_constants, true_parameters
-from repro.pipeline.simulated_arms import is_within_limits
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream

@@ -10,9 +10,9 @@ from scipy import stats
 
 from repro.cnn.plain import PlainNetwork, save_posterior
 from repro.cnn.priors import ListedPrior
+from repro.experiments.arm import Recording, read_recordings, true_parameters
 from repro.files import read_tensors, write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
-from repro.pipeline.experiment import Recording, read_recordings, true_parameters
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
 from repro.study.arms import Specimen, draw_law, excitation_program

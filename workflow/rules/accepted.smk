@@ -46,7 +46,7 @@ rule simulate_accepted:
         out=f"{R}/accepted/recordings.safetensors",
     priority: LONG
     params:
-        *call("repro.pipeline.accepted:simulate_accepted"),
+        *call("repro.experiments.accepted:simulate_accepted"),
         config=sections(*ARM),
     message:
         "Simulating the accepted experiments"
@@ -65,7 +65,7 @@ rule score_spread:
     resources:
         runtime=30,
     params:
-        *call("repro.pipeline.networks:score_spread"),
+        *call("repro.experiments.networks:score_spread"),
         trained_as={name: configuration_digest(of_network(SETTINGS, name)) for name in ("published", "tracked")},
         config=sections(*USED, *ARM, "networks", "spread"),
     message:
@@ -84,7 +84,7 @@ rule search_accepted:
     resources:
         runtime=120,
     params:
-        *call("repro.pipeline.guesses:search_accepted"),
+        *call("repro.experiments.guesses:search_accepted"),
         config=sections(*USED, *ARM, "networks", "accepted"),
     message:
         "Algorithm 1 on accepted experiment {wildcards.number}"

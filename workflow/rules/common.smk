@@ -12,7 +12,7 @@ def call(function, *definitions):
 
 
 # What makes training samples.
-SAMPLED = ["repro.pipeline.simulated_arms:training_motion", "repro.config.sections:data_settings"]
+SAMPLED = ["repro.experiments.simulated_arms:training_motion", "repro.config.sections:data_settings"]
 
 
 def training_code(trainer):
@@ -81,9 +81,7 @@ def factorial_training_sections(wildcards):
 
 # What a job of the study depends on: job sizes and levels, but the extremes of friction, change no arm and no network.
 STUDY_JOBS, STUDY = jobs(SETTINGS), stated(SETTINGS, "study")["study"]
-STUDY_ARMS = {
-    key: STUDY[key] for key in ("seed", "arms", "excitations", "priors", "training_arms", "unmodelled")
-}
+STUDY_ARMS = {key: STUDY[key] for key in ("seed", "arms", "excitations", "priors", "training_arms", "unmodelled")}
 STUDY_ARMS["frictions"] = [min(STUDY["frictions"]), max(STUDY["frictions"])]
 STUDY_TRAINED = {key: STUDY[key] for key in ("seed", "cnn_steps", "posterior", "unmodelled")}
 
@@ -190,7 +188,10 @@ LEDGER_SOURCES = {
     "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
 }
 # Settings that are compared with published ones.
-LEDGER_SECTIONS = {**sections(*ARM, "metric", "data", "networks", "algorithm1", "numeric"), **stated(SETTINGS, "training")}
+LEDGER_SECTIONS = {
+    **sections(*ARM, "metric", "data", "networks", "algorithm1", "numeric"),
+    **stated(SETTINGS, "training"),
+}
 
 
 # What precedes a wildcard in the name of a log or benchmark, where that is no hyphen; a suffix has its own.

@@ -12,7 +12,7 @@ rule check_coverage:
     resources:
         runtime=30,
     params:
-        *call("repro.pipeline.coverage:check_coverage"),
+        *call("repro.experiments.coverage:check_coverage"),
         trained_as=configuration_digest(of_network(SETTINGS, "tracked")),
         config=sections(*USED, *ARM, "coverage", of=of_network(SETTINGS, "tracked")),
     message:

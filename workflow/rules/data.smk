@@ -3,7 +3,7 @@ rule simulate_tracked:
         out=f"{R}/data/tracked.safetensors",
     priority: AWAITED
     params:
-        *call("repro.pipeline.simulated_arms:simulate_tracked"),
+        *call("repro.experiments.simulated_arms:simulate_tracked"),
         config=sections("signals", "data", "board", "experiment"),
     message:
         "Simulating the arms whose motions a network is trained on"
@@ -16,7 +16,7 @@ rule mean_torque:
         f"{R}/data/mean_torque.csv",
     priority: AWAITED
     params:
-        *call("repro.pipeline.identifications:mean_torque"),
+        *call("repro.experiments.identifications:mean_torque"),
         config=sections("signals", "data", "image", "training"),
     message:
         "Averaging the training torques"

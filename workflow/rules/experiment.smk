@@ -20,7 +20,7 @@ rule acquire:
     resources:
         serial_port=int(SERIAL),
     params:
-        *call("repro.pipeline.experiment:acquire"),
+        *call("repro.experiments.arm:acquire"),
         config=sections(*ARM),
     message:
         "Capture of {wildcards.motion}"
@@ -35,7 +35,7 @@ rule synthesise_board:
     output:
         f"{R}/board/size.csv",
     params:
-        *call("repro.fpga.logic:board_size"),
+        *call("repro.board.logic:board_size"),
     message:
         "Synthesising the board in logic"
     script:
@@ -55,7 +55,7 @@ rule identify_experiment:
         ),
     priority: LONG
     params:
-        *call("repro.pipeline.networks:identify_experiment"),
+        *call("repro.experiments.networks:identify_experiment"),
         seeds=SETTINGS.experiment.search_seeds,
         trained_as=trained_as,
         config=network_sections(*ARM),
@@ -71,7 +71,7 @@ rule identify_least_squares:
     output:
         f"{R}/identification/experiment-least-squares.json",
     params:
-        *call("repro.pipeline.identifications:identify_least_squares"),
+        *call("repro.experiments.identifications:identify_least_squares"),
         config=sections(*ARM),
     message:
         "Identifying the arm by least squares"
@@ -87,7 +87,7 @@ rule score_experiment:
     output:
         f"{R}/validation/experiment{{suffix}}.csv",
     params:
-        *call("repro.pipeline.identifications:score_experiment"),
+        *call("repro.experiments.identifications:score_experiment"),
         config=sections(*ARM, "metric"),
     message:
         f"Scoring the arm's estimates on ID and {SPAN}, network{{wildcards.suffix}}"

@@ -10,7 +10,7 @@ rule identify_numeric:
         ),
     priority: LONG
     params:
-        *call("repro.pipeline.networks:identify_numeric"),
+        *call("repro.experiments.networks:identify_numeric"),
         seeds=SETTINGS.numeric.seeds,
         trained_as=trained_as,
         config=network_sections("numeric"),
@@ -24,7 +24,7 @@ rule identify_numeric_least_squares:
     output:
         f"{R}/identification/numeric-least-squares.json",
     params:
-        *call("repro.pipeline.identifications:least_squares_of_arms"),
+        *call("repro.experiments.identifications:least_squares_of_arms"),
         config=sections("signals", "numeric"),
     message:
         "Identifying N1 to N4 by least squares"

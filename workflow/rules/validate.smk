@@ -8,7 +8,7 @@ rule score_numeric:
     output:
         f"{R}/validation/numeric{{suffix}}.csv",
     params:
-        *call("repro.pipeline.identifications:score_numeric"),
+        *call("repro.experiments.identifications:score_numeric"),
         config=sections("signals", "metric", "numeric"),
     message:
         "Scoring the numeric estimates, network{wildcards.suffix}"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from repro.files import write_csv, write_json, write_text
-from repro.pipeline.job import job
+from repro.experiments.job import job
 
 module, _, name = snakemake.params[0].partition(":")
 function = getattr(import_module(module), name)  # before the job begins, which sets the threads of a loaded torch

@@ -14,9 +14,9 @@ from repro.commands.options import add_config, integer, number, seconds, seed
 from repro.errors import InputError
 
 if TYPE_CHECKING:
+    from repro.board.capture import Capture
+    from repro.board.channel_errors import ErrorRates
     from repro.config.model import Configuration
-    from repro.fpga.capture import Capture
-    from repro.fpga.channel_errors import ErrorRates
     from repro.signals.programs import ReferenceTrajectory
 
 
@@ -41,11 +41,11 @@ def simulate(arguments: argparse.Namespace) -> int:
     """Run a simulated board that serial programs can connect to."""
     import numpy as np
 
+    from repro.board.channel_errors import ErrorInjector
+    from repro.board.logic import logic_board
+    from repro.board.server import Board, PtyEndpoint, SocketEndpoint, serve
     from repro.config.check import load_config
-    from repro.fpga.channel_errors import ErrorInjector
-    from repro.fpga.logic import logic_board
-    from repro.fpga.server import Board, PtyEndpoint, SocketEndpoint, serve
-    from repro.pipeline.experiment import board_from_config
+    from repro.experiments.arm import board_from_config
 
     for option, listen in (("link", "pty"), ("host", "socket"), ("port-number", "socket")):
         if vars(arguments)[option.replace("-", "_")] is not None and arguments.listen != listen:
@@ -69,7 +69,7 @@ def simulate(arguments: argparse.Namespace) -> int:
 
 def parse_faults(text: str) -> "ErrorRates":
     """Read error rates such as ``drop=1e-4,flip=1e-4``."""
-    from repro.fpga.channel_errors import ErrorRates
+    from repro.board.channel_errors import ErrorRates
 
     readers: dict[str, Callable[[str], float]] = {
         **{field.name: number(0.0, 1.0, "a number") for field in fields(ErrorRates)},
@@ -108,10 +108,10 @@ def record_arguments(parser: argparse.ArgumentParser) -> None:
 
 def record(arguments: argparse.Namespace) -> int:
     """Record a motion from a board, real or simulated, into a capture file."""
+    from repro.board.capture import check_target
+    from repro.board.link import record_capture
     from repro.config.check import load_config
-    from repro.fpga.capture import check_target
-    from repro.fpga.link import record_capture
-    from repro.pipeline.experiment import metadata_for
+    from repro.experiments.arm import metadata_for
 
     check_target(arguments.out, arguments.overwrite)
     config = load_config(arguments.config)
@@ -140,7 +140,7 @@ def _is_address(url: str) -> bool:
 
 def program_of(config: "Configuration", trajectory: str) -> "ReferenceTrajectory":
     """Give the motion of a name or of a table ``FILE.csv``, within the limits of the arm."""
-    from repro.pipeline.experiment import check_program, program_from_config
+    from repro.experiments.arm import check_program, program_from_config
     from repro.signals.programs import PROGRAMS
 
     if trajectory in PROGRAMS:
@@ -164,9 +164,9 @@ def read_program(path: Path) -> "ReferenceTrajectory":
     """Read the motion of a table."""
     import numpy as np
 
+    from repro.board.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
     from repro.documents import read_bytes
     from repro.files import read_rows
-    from repro.fpga.frames import RADIANS_PER_COUNT, SAMPLING_PERIOD
     from repro.signals.programs import MEMORY_SAMPLES, ReferenceTrajectory
 
     def refuse(row: int, name: str, found: str, expected: str) -> NoReturn:
@@ -209,8 +209,8 @@ def decode_arguments(parser: argparse.ArgumentParser) -> None:
 
 def decode(arguments: argparse.Namespace) -> int:
     """Decode a capture file: what is in it, and its samples as a table."""
+    from repro.board.capture import files_of, read_capture, to_table
     from repro.files import csv_text, write_csv, writing
-    from repro.fpga.capture import files_of, read_capture, to_table
 
     out = arguments.out
     if out not in (None, "-") and os.path.lexists(out):

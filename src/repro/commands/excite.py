@@ -47,8 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
     import numpy as np
 
     from repro.files import check_folder, fill_folder
+    from repro.identification.armfile import read_arm
     from repro.identification.exciting_motion import Envelope, check_samples, excite, published
-    from repro.logs.armfile import read_arm
 
     logging.getLogger("fontTools").setLevel(logging.WARNING)  # it reports every glyph
     check_folder(arguments.out, arguments.overwrite)
@@ -80,8 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
 def read_guess(given: list[str] | None) -> "Array | None":
     """Read the parameters of ``--guess``."""
     from repro.documents import read_json
+    from repro.fitting.prior import read_result
     from repro.identification.exciting_motion import check_guess
-    from repro.ownarm.prior import read_result
 
     if given is None:
         return None
@@ -118,7 +118,7 @@ def _write_files(folder: Path, content: dict[str, Any], motion: "Motion", limits
     import numpy as np
     import pandas as pd
 
-    from repro.exhibits import panels, style
+    from repro.drawing import panels, style
     from repro.files import finite, write_csv, write_json
 
     arm, series, columns = limits.arm, [], {"time_s": motion.time}

@@ -58,9 +58,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Identify your own arm: from a log to parameters with intervals, and a report."""
-    from repro.api import choose_methods, identify
     from repro.files import check_folder
-    from repro.logs.armfile import read_arm
+    from repro.fitting.api import choose_methods, identify
+    from repro.identification.armfile import read_arm
 
     check_folder(arguments.out, arguments.overwrite)
     every = len(arguments.logs) == 1 and arguments.prior is None and read_arm(arguments.arm).plane == "vertical"

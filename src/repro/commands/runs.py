@@ -15,7 +15,7 @@ def check_arguments(parser: argparse.ArgumentParser) -> None:
 def check(arguments: argparse.Namespace) -> int:
     """Check a configuration of the workflow, as a run does before any work."""
     from repro.config.check import SUMS, load_config
-    from repro.pipeline.stored_networks import check_stored
+    from repro.experiments.stored_networks import check_stored
     from repro.signals.programs import PROGRAMS
 
     check_stored(load_config(arguments.config, *arguments.overlays, inputs=True, motions=(*PROGRAMS, SUMS)))
@@ -43,10 +43,11 @@ def _project_config(results: Path | None) -> Path:
 def verify(arguments: argparse.Namespace) -> int:
     """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
     from repro.config.check import load_config, read_config
+    from repro.experiments.record import changed_settings
     from repro.fingerprint import compare_hosts
     from repro.paper.claims import broken, summary
     from repro.paper.ledger import verify_ledger
-    from repro.pipeline.provenance import changed_settings, recorded_fingerprint
+    from repro.provenance import recorded_fingerprint
 
     files = arguments.config or [_project_config(arguments.results)]
     config = load_config(*files)

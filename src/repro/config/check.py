@@ -9,10 +9,10 @@ from typing import Any, NoReturn
 import numpy as np
 from pydantic import ValidationError
 
+from repro.board.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.config.model import Configuration
 from repro.documents import Place, first_error, read_yaml, spelled
 from repro.errors import InputError
-from repro.fpga.frames import PWM_LIMIT, SAMPLING_PERIOD
 from repro.model.parameters import is_positive_definite
 from repro.signals.programs import MEMORY_SAMPLES
 from repro.signals.validation_motions import CIRCLE_RADIUS

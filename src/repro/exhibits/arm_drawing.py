@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Rectangle
 
-from repro.exhibits import style
-from repro.exhibits.markup import formula, plain, unit
+from repro.drawing import style
+from repro.drawing.markup import formula, plain, unit
 
 Point = tuple[float, float]
 

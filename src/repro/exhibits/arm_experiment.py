@@ -9,17 +9,17 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.config.model import Configuration
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import Table, Text, digits, formula, layout, plain, scientific, with_unit, words
+from repro.drawing.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
 from repro.exhibits.declare import ARM, Inputs, figure, table
-from repro.exhibits.markup import Table, Text, digits, formula, layout, plain, scientific, with_unit, words
-from repro.exhibits.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
 from repro.exhibits.result_tables import by_method, heading_of, methods_of, parameter_cells, similarities
+from repro.experiments import arm as experiment
+from repro.experiments.identifications import CASE, SCORES, read_identifications, read_scores, tracking
+from repro.experiments.summary import experiment_table, median_seeds, parameter_table
 from repro.model.dynamics import forward_kinematics, rebuild_torque
 from repro.model.parameters import Array
 from repro.model.stability import stability_constants
-from repro.pipeline import experiment
-from repro.pipeline.identifications import CASE, SCORES, read_identifications, read_scores, tracking
-from repro.pipeline.summary import experiment_table, median_seeds, parameter_table
 from repro.signals.dct import spectrum
 from repro.signals.programs import PROGRAMS, SPAN, VALIDATION
 

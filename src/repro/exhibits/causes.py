@@ -9,12 +9,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.config.model import Configuration
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import Cell, Table, Text, digits, layout, number, plain
 from repro.exhibits.declare import Inputs, figure, table
-from repro.exhibits.markup import Cell, Table, Text, digits, layout, number, plain
+from repro.experiments.factorial import COLUMNS, cell_means, effects
+from repro.experiments.identifications import CASE, SCORES, read_scores
 from repro.files import read_csv
-from repro.pipeline.factorial import COLUMNS, cell_means, effects
-from repro.pipeline.identifications import CASE, SCORES, read_scores
 
 _why_table, _why_figure = (
     partial(kind, category="Experiment (simulated)", inputs=("arm",), trained="all") for kind in (table, figure)

@@ -11,9 +11,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.config.model import Configuration
+from repro.drawing import style
+from repro.drawing.markup import Table
 from repro.errors import InputError
-from repro.exhibits import style
-from repro.exhibits.markup import Table
 from repro.files import read_csv, write_csv, write_text
 
 #: Files by the name of the input.

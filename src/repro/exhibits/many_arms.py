@@ -8,15 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from repro.config.model import Configuration
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import Block, Column, Table, digits, formula, grid, number, plain, with_unit, words
+from repro.drawing.panels import plot_deviation
 from repro.exhibits.declare import Inputs, figure, table
-from repro.exhibits.markup import Block, Column, Table, digits, formula, grid, number, plain, with_unit, words
-from repro.exhibits.panels import plot_deviation
 from repro.exhibits.result_tables import heading_of, methods_of, percent_interval
+from repro.experiments.monte_carlo import comparisons
 from repro.files import read_csv
 from repro.identification.method import BASELINES
 from repro.model.parameters import NAMES, UNITS
-from repro.pipeline.monte_carlo import comparisons
 from repro.signals.programs import PROGRAMS, SPAN
 
 _table, _figure = (partial(kind, category="Experiment (simulated)", trained="all") for kind in (table, figure))

@@ -20,14 +20,14 @@ from repro.cnn.image import assemble, colours, image_factors
 from repro.cnn.priors import sample_beta
 from repro.config.model import Configuration
 from repro.config.sections import data_settings
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import layout, words
+from repro.drawing.panels import JOINTS, TIME, curves_of, draw_losses, long_table, plot_series
 from repro.exhibits.declare import Inputs, figure, table
-from repro.exhibits.markup import layout, words
-from repro.exhibits.panels import JOINTS, TIME, curves_of, draw_losses, long_table, plot_series
+from repro.experiments.stored_networks import architecture
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
-from repro.pipeline.stored_networks import architecture
 from repro.signals.trajectories import identification_trajectory
 from repro.streams import Stream, stream
 

@@ -14,15 +14,15 @@ from matplotlib.text import Annotation
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.config.model import Configuration
 from repro.config.sections import changed, plain
-from repro.exhibits import panels, style
+from repro.drawing import panels, style
+from repro.drawing.markup import formula, layout, unit, words
 from repro.exhibits.declare import Declaration, Inputs, Trained, figure, table
-from repro.exhibits.markup import formula, layout, unit, words
 from repro.exhibits.result_tables import parameters, similarities
+from repro.experiments.identifications import SCORES, motion_of, read_identifications, read_scores
+from repro.experiments.summary import median_cells, median_seeds, parameter_table
 from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
-from repro.pipeline.identifications import SCORES, motion_of, read_identifications, read_scores
-from repro.pipeline.summary import median_cells, median_seeds, parameter_table
 from repro.signals.dct import dct2sub, spectrum
 from repro.signals.programs import PROGRAMS, SPAN
 from repro.signals.trajectories import Motion, identification_trajectory

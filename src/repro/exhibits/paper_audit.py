@@ -11,9 +11,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.config.model import Configuration
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import Table, Text, digits, formula, grid, layout, number, plain, scientific, unit, words
 from repro.exhibits.declare import Inputs, figure, table
-from repro.exhibits.markup import Table, Text, digits, formula, grid, layout, number, plain, scientific, unit, words
 from repro.files import read_csv
 from repro.paper.audit import audit as findings
 from repro.paper.finding import CONSISTENT, VERDICTS

@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
 from repro.config.model import Configuration
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import Block, Column, Table, Text, digits, grid, layout, number, plain
 from repro.exhibits.declare import Inputs, figure, table
-from repro.exhibits.markup import Block, Column, Table, Text, digits, grid, layout, number, plain
 from repro.exhibits.result_tables import heading_of, methods_of
+from repro.experiments.accepted import GUESSES, SETTINGS
 from repro.files import read_csv
 from repro.paper.published import load_published
-from repro.pipeline.accepted import GUESSES, SETTINGS
 from repro.signals.programs import PROGRAMS, SPAN
 
 _matching = partial(table, category="Ablation", inputs=("matching",), optional=True)

@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from repro.exhibits.markup import Block, Table, Text, formula, number, plain, with_unit
-from repro.exhibits.style import METHODS, title_of
+from repro.drawing.markup import Block, Table, Text, formula, number, plain, with_unit
+from repro.drawing.style import METHODS, title_of
 
 _FACTORS = {"time": "Time", "frequency": "Freq.", "total": "Total"}
 

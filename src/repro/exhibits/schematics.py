@@ -17,15 +17,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
+from repro.board.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT, SAMPLING_PERIOD
 from repro.config.model import Configuration
+from repro.drawing import style
+from repro.drawing.markup import Table, Text, formula, plain
 from repro.errors import InputError
-from repro.exhibits import style
 from repro.exhibits.arm_drawing import Point, arrow, draw_arm, hanging_arm
 from repro.exhibits.declare import ARM, Inputs, figure, table
-from repro.exhibits.markup import Table, Text, formula, plain
+from repro.experiments.arm import control_constants, program_settings
 from repro.files import read_csv
-from repro.fpga.frames import BAUD, COUNTS_PER_TURN, PWM_LIMIT, SAMPLING_PERIOD
-from repro.pipeline.experiment import control_constants, program_settings
 from repro.signals.programs import MEMORY_SAMPLES
 
 _figure = partial(figure, category="Method", inputs=("diagrams",))

@@ -8,13 +8,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from repro.config.model import Configuration
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import Cell, Column, Table, digits, grid, layout, plain, words
+from repro.drawing.panels import plot_deviation
 from repro.exhibits.declare import Inputs, figure, table
-from repro.exhibits.markup import Cell, Column, Table, digits, grid, layout, plain, words
-from repro.exhibits.panels import plot_deviation
 from repro.exhibits.result_tables import percent_interval
+from repro.experiments.monte_carlo import EQUIVALENT
 from repro.files import read_csv
-from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.study import analysis
 from repro.study.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
 

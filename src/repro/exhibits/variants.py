@@ -12,14 +12,14 @@ from matplotlib.ticker import MaxNLocator
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.config.model import Configuration
 from repro.documents import read_json
-from repro.exhibits import style
+from repro.drawing import style
+from repro.drawing.markup import Text, digits, layout, plain, several, words
 from repro.exhibits.declare import ARM, Inputs, figure, table
-from repro.exhibits.markup import Text, digits, layout, plain, several, words
 from repro.exhibits.result_tables import by_method
+from repro.experiments import interpretations, summary
+from repro.experiments.arm import read_recordings
+from repro.experiments.identifications import read_identifications
 from repro.files import read_csv
-from repro.pipeline import interpretations, summary
-from repro.pipeline.experiment import read_recordings
-from repro.pipeline.identifications import read_identifications
 from repro.signals.programs import SPAN
 
 _table, _figure = (partial(kind, category="Ablation", trained="all", optional=True) for kind in (table, figure))

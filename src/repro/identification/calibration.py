@@ -27,8 +27,8 @@ from repro.identification.extra_terms import (
     zero_position,
 )
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
+from repro.identification.log import Log, kept
 from repro.identification.regression import Regression, drop_standstill, solve
-from repro.logs.log import Log, kept
 from repro.model.parameters import Array
 
 MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1  # most iterations of Gauss-Newton, and step in standard errors at which they end

@@ -13,10 +13,10 @@ from scipy.linalg import null_space
 from scipy.optimize import minimize
 
 from repro.errors import InputError
+from repro.identification.armfile import Arm, read_arm
 from repro.identification.excitation import MIN_SINGULAR_RATIO
 from repro.identification.filtering import Moved
 from repro.identification.regression import unit_columns
-from repro.logs.armfile import Arm, read_arm
 from repro.model.dynamics import LAMBDA, ArmGeometry, forward_kinematics, regressor
 from repro.model.parameters import Array, is_positive_definite
 from repro.progress import Progress

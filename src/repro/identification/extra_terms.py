@@ -26,8 +26,8 @@ from repro.identification.filtering import (
     retained_samples,
     smooth_motion,
 )
+from repro.identification.log import Log, period
 from repro.identification.regression import Regression, correlation_time, drop_standstill, joined, solve
-from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import NAMES, Array
 

@@ -21,9 +21,8 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 
 from repro.errors import InputError
+from repro.identification.log import Log, kept, period
 from repro.identification.regression import Regression, correlation_time, joined, masked, solve
-from repro.logs.log import Log, kept, period
-from repro.logs.torque_limits import MOST_CONTAMINATED
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
@@ -43,6 +42,7 @@ STEEPNESS_GRID = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 MAX_DELAY, N_DELAYS = 0.02, 11  # largest delay that is searched, s, and number of delays
 EXPECTED_DELAY = 2.0  # latest delay that a drive is expected to have, sampling periods: any other needs evidence
 MIN_ERROR_REDUCTION = 0.2  # fraction of the squared error by which an effect must reduce it
+MAX_CONTAMINATION = 0.05  # part of torques that did not act in a low-passed torque, above which it is left out
 BUTTERWORTH_ORDER = 4
 #: Degree, and half-power frequency of a window of 2 m + 1 samples times m + 1/2, in half the sampling rate, to 1 %.
 SAVITZKY_GOLAY_DEGREE, SAVITZKY_GOLAY_HALF_POWER = 3, 1.066
@@ -197,7 +197,7 @@ def _piece(log: Log, settings: FilterSettings, even_odd: bool) -> Regression:
     if log.left_out is None:
         return whole
     contamination = filtered_torque(log.left_out[:, :n].astype(np.float64), h, settings)[:, keep]
-    return masked(whole, np.abs(contamination) <= MOST_CONTAMINATED)
+    return masked(whole, np.abs(contamination) <= MAX_CONTAMINATION)
 
 
 @kept

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from repro.identification.extra_terms import cross_validation_error, weighted_rows
 from repro.identification.filtering import FilterSettings, smooth_motion
+from repro.identification.log import Log, period
 from repro.identification.regression import Regression
-from repro.logs.log import Log, period
 from repro.model.dynamics import check_motion, forward_dynamics, rebuild_torque
 from repro.model.parameters import Array, is_positive_definite
 from repro.signals.metric import UNIT_FREE_METRIC, MetricSettings, metr2ev

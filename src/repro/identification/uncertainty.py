@@ -1,7 +1,7 @@
 """Expanded uncertainty of an estimate: sampling, choices of the analysis, and effects beyond Eq. 1.
 
 Filtering and unmodelled friction leave residuals correlated over seconds, so single samples cannot be resampled. Three
-uncertainties are combined; docs/explanation/methods-and-intervals.md describes them, `ownarm/methods.bib` has sources.
+uncertainties are combined; docs/explanation/methods-and-intervals.md describes them, `fitting/methods.bib` has sources.
 
 - Sampling: moving-block pairs bootstrap, or the delete-a-group jackknife where its variance is larger by an F-test.
 - Type B: root mean square shift of the estimate under `perturbations`. With the columns of an effect projected out of
@@ -25,6 +25,7 @@ from scipy.special import fdtri, stdtrit
 
 from repro.identification.extra_terms import LARGEST_SHARE, OF_A_LOG, UNMODELLED_EFFECTS, filtered_columns
 from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.log import Log
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import (
     Prior,
@@ -35,7 +36,6 @@ from repro.identification.regression import (
     mean_variance,
     solve,
 )
-from repro.logs.log import Log
 from repro.model.parameters import Array
 
 REPLICATES = 200

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from repro.errors import InputError
-from repro.logs.armfile import Arm, Kind, Signal
+from repro.identification.armfile import Arm, Kind, Signal
 
 #: Signals of a log and what kind each is.
 KINDS: Final[dict[Signal, Kind]] = {

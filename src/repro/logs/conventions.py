@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from scipy.fft import dst, idst
 
-from repro.logs.armfile import Arm
-from repro.logs.log import Log, period, uniform
+from repro.identification.armfile import Arm
+from repro.identification.log import Log, period, uniform
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 

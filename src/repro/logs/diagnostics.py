@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
-from repro.logs.armfile import Arm
+from repro.identification.armfile import Arm
+from repro.identification.log import GAP, STILL, Log, half_window, missing_samples, period, speed
 from repro.logs.conventions import better_convention, late_torque, smoothed
-from repro.logs.log import GAP, STILL, Log, half_window, missing_samples, period, speed
 from repro.logs.torque_limits import quantisation_step, saturated
 from repro.model.parameters import Array
 

@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from repro.board.capture import read_capture, recording_of
 from repro.errors import InputError
-from repro.fpga.capture import read_capture, recording_of
-from repro.logs.armfile import Arm, Signal, read_arm
+from repro.identification.armfile import Arm, Signal, read_arm
+from repro.identification.log import FEWEST, SHORTEST, STILL, Log, segments
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor, unused_constants
-from repro.logs.log import FEWEST, SHORTEST, STILL, Log, segments
 from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
 from repro.logs.torque_limits import saturated
 from repro.model.parameters import Array

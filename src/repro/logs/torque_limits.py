@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.identification.filtering import MAX_CONTAMINATION
+from repro.identification.log import Log, period
 from repro.logs.conventions import fit_joints, low_pass, smoothed
-from repro.logs.log import Log, period
 from repro.model.dynamics import regressor
 from repro.model.parameters import Array
 
@@ -18,7 +19,6 @@ _SHORTEST_STUCK, _FEWEST_STUCK, _LONGER = 0.03, 5, 5.0
 _USUAL = 0.9  # quantile of the lengths of runs that is usual
 #: Motion under a stuck torque, rad, and jump at its begin or end in steps of the torque, at least.
 _LEAST_MOTION, _LEAST_JUMP = 0.01, 3.0
-MOST_CONTAMINATED = 0.05  # part of such samples in a low-passed torque above which it is left out
 #: Error of Eq. 1 there over the error elsewhere, from which the recorded torque is not the one that acted,
 _CONTRADICTION = 1.5
 #: and largest fraction of a joint's samples that may be left out.
@@ -104,7 +104,7 @@ def unreliable_torque(log: Log) -> NDArray[np.bool_]:
         return suspected
     s = smoothed(log)
     k = s.chosen
-    rows = np.abs(low_pass(suspected.astype(np.float64), h)[:, k]) > MOST_CONTAMINATED
+    rows = np.abs(low_pass(suspected.astype(np.float64), h)[:, k]) > MAX_CONTAMINATION
     y = regressor(s.q[:, k], s.dq[:, k], s.ddq[:, k])
     beta, _ = fit_joints(y * ~rows[..., np.newaxis], s.tau[:, k] * ~rows)
     square = (y @ beta - s.tau[:, k]) ** 2

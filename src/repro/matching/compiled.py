@@ -1,6 +1,6 @@
 """The closed loop of board and arm, compiled: one recording in milliseconds.
 
-The reference is `repro.fpga.plant` with its quick method behind `repro.fpga.controller`; a test compares the counts.
+The reference is `repro.board.plant` with its quick method behind `repro.board.controller`; a test compares the counts.
 """
 
 import math
@@ -9,9 +9,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from repro.fpga.controller import ControlConstants
-from repro.fpga.frames import PWM_LIMIT, RADIANS_PER_COUNT
-from repro.fpga.plant import SLOW_STEPS, Unmodelled
+from repro.board.controller import ControlConstants
+from repro.board.frames import PWM_LIMIT, RADIANS_PER_COUNT
+from repro.board.plant import SLOW_STEPS, Unmodelled
 from repro.model.dynamics import LAMBDA
 from repro.model.parameters import Array
 

@@ -17,6 +17,15 @@ from typing import Any
 import numpy as np
 
 from repro.config.model import Configuration
+from repro.experiments.accepted import experiment_config
+from repro.experiments.arm import (
+    Recording,
+    control_constants,
+    disturbance,
+    limits,
+    program_settings,
+    true_parameters,
+)
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import Regression
 from repro.matching.compiled import record
@@ -25,15 +34,6 @@ from repro.model.dynamics import rebuild_torque
 from repro.model.parameters import Array
 from repro.paper.metric_search import torque_bounds
 from repro.paper.published import Published, load_published
-from repro.pipeline.accepted import experiment_config
-from repro.pipeline.experiment import (
-    Recording,
-    control_constants,
-    disturbance,
-    limits,
-    program_settings,
-    true_parameters,
-)
 from repro.signals.metric import PUBLISHED_METRIC, Similarity, metr2ev
 from repro.signals.programs import PROGRAMS, peaks, reference_trajectory
 from repro.streams import Stream, stream

@@ -11,10 +11,10 @@ from scipy.optimize import least_squares
 
 from repro.config.model import Configuration
 from repro.documents import read_json
+from repro.experiments.accepted import SETTINGS, experiment_config
 from repro.matching.evidence import Motion, Outcome, outcome_of, printed, published, record_motion
 from repro.matching.unknowns import HYPOTHESES, Hypothesis
 from repro.model.parameters import NAMES, Array
-from repro.pipeline.accepted import SETTINGS, experiment_config
 from repro.signals.programs import PROGRAMS
 from repro.streams import Stream, stream
 

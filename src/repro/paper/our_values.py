@@ -22,19 +22,19 @@ from types import ModuleType
 import numpy as np
 import pandas as pd
 
+from repro.board import frames
 from repro.cnn import architecture, image, priors
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.comparison import LEDGER
 from repro.config.model import Configuration
 from repro.config.sections import plain
 from repro.errors import InputError
+from repro.experiments.monte_carlo import EQUIVALENT
 from repro.files import read_rows
-from repro.fpga import frames
 from repro.model import dynamics, parameters, stability
 from repro.model.parameters import NAMES
 from repro.paper.claims import DIFFERS, EXTENSION, SETTING, Basis, OurValue, higher, lower
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, evaluate
-from repro.pipeline.monte_carlo import EQUIVALENT
 from repro.signals import programs, trajectories, validation_motions
 
 _MODULES = (architecture, image, priors, frames, dynamics, stability, programs, trajectories, validation_motions)

@@ -12,17 +12,17 @@ import pandas as pd
 from markupsafe import Markup
 
 from repro.config.model import Configuration
+from repro.drawing.embed import environment, link, picture, policy, read_bytes
+from repro.drawing.markup import SUPERSCRIPTS, TIMES
+from repro.drawing.markup import unit as unit_text
+from repro.drawing.style import title_of
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
 from repro.exhibits.declare import Exhibit, read_shown
-from repro.exhibits.markup import SUPERSCRIPTS, TIMES
-from repro.exhibits.markup import unit as unit_text
-from repro.exhibits.style import title_of
+from repro.experiments import monte_carlo
 from repro.files import read_csv, read_rows, write_text
 from repro.paper import claims as ledger
-from repro.pipeline import monte_carlo
-from repro.pipeline.provenance import commit, package_versions
-from repro.report.embed import environment, link, picture, policy, read_bytes
+from repro.provenance import commit, package_versions
 from repro.signals.programs import SPAN
 
 #: The report must stay below this, so that it can be mailed and opened anywhere.

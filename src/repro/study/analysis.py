@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from repro.experiments.monte_carlo import EQUIVALENT, FAMILY_LEVEL, OPEN, conclude, interval
 from repro.model.parameters import Array
-from repro.pipeline.monte_carlo import EQUIVALENT, FAMILY_LEVEL, OPEN, conclude, interval
 from repro.study.design import ALGORITHM1, FACTORS, FLOW, KEYS, NETWORKS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
 
 #: Pairs of methods that are compared in every cell, first minus second.

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from repro.board.plant import Unmodelled
 from repro.config.model import Configuration
 from repro.config.sections import changed
 from repro.errors import InputError
+from repro.experiments.arm import Recording, limits, program_from_config, program_settings, true_parameters
+from repro.experiments.simulated_arms import draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
 from repro.files import read_tensors, write_tensors
-from repro.fpga.plant import Unmodelled
+from repro.identification.armfile import Arm
 from repro.identification.exciting_motion import Envelope, design
 from repro.identification.least_squares import METHODS
-from repro.logs.armfile import Arm
 from repro.model.parameters import Array
-from repro.pipeline.experiment import Recording, limits, program_from_config, program_settings, true_parameters
-from repro.pipeline.simulated_arms import draw_arms, draw_built_arms, is_within_limits, run_loop, tracks
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
 from repro.signals.validation_motions import random_motion

@@ -14,6 +14,7 @@ import pandas as pd
 from scipy import linalg
 from scipy.special import ndtr
 
+from repro.board.frames import RADIANS_PER_COUNT
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
 from repro.cnn.network import save_network
 from repro.cnn.plain import Flow, PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
@@ -21,19 +22,18 @@ from repro.cnn.priors import ListedPrior
 from repro.cnn.train import train
 from repro.config.model import Configuration
 from repro.config.sections import data_settings
+from repro.experiments.arm import Recording
+from repro.experiments.identifications import prepare_recording
+from repro.experiments.monte_carlo import Scores
+from repro.experiments.networks import algorithm1_of, for_the_arm
+from repro.experiments.simulated_arms import run_loop, sampled_tracks
 from repro.files import read_tensors, write_tensors
-from repro.fpga.frames import RADIANS_PER_COUNT
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.identification.algorithm1.search import ImageMotion, ResidualEstimator, search, select
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import Regression, correlation_time, mean_variance
 from repro.identification.scores import relative_rms
 from repro.model.parameters import FEASIBILITY, Array
-from repro.pipeline.experiment import Recording
-from repro.pipeline.identifications import prepare_recording
-from repro.pipeline.monte_carlo import Scores
-from repro.pipeline.networks import algorithm1_of, for_the_arm
-from repro.pipeline.simulated_arms import run_loop, sampled_tracks
 from repro.progress import Progress, over
 from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream

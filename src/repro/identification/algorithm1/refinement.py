@@ -1,6 +1,6 @@
 """Algorithm 1 with its refinement, an extension of ours: the network evaluates guesses drawn from the best estimates.
 
-The moves are those of differential evolution (Storn and Price 1997, in `ownarm/methods.bib`): each of the best
+The moves are those of differential evolution (Storn and Price 1997, in `fitting/methods.bib`): each of the best
 candidates is moved along the difference of two others. Such differences are large and correlated in what the similarity
 leaves open, small in what it has settled, and shrink as the set closes in. Unlike there, each difference has a random
 length, no parameters are crossed over, and the best of old and new together survive.

@@ -1,0 +1,1 @@
+"""How figures, tables and pages look: shared by the paper's exhibits and the reports of a user's arm."""

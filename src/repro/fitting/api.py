@@ -1,0 +1,450 @@
+"""Identify an arm from Python: `identify` and the result that it returns. The command line calls the same."""
+
+import html
+import logging
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import NoneType
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from repro.board.capture import files_of
+from repro.errors import InputError, require
+from repro.files import check_folder
+from repro.fitting.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
+from repro.fitting.prepare import LoadedLog, Options, load_log
+from repro.fitting.prior import read_prior, with_plane
+from repro.fitting.problem import IdentificationProblem, make_problem
+from repro.fitting.recommend import unusable
+from repro.fitting.result import Curves, MethodResult, Result
+from repro.fitting.tables import parameters_table, residuals_table, scores_table
+from repro.fitting.text import summary
+from repro.identification.armfile import Arm, read_arm
+from repro.identification.log import Log
+from repro.identification.method import GROUPS, NETWORKS, network_cache
+from repro.identification.scores import integrate
+from repro.logs.load import Source
+from repro.model.dynamics import inverse_dynamics
+from repro.model.parameters import Array
+from repro.progress import Progress
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LOG = logging.getLogger(__name__)
+
+Recording = str | Path | pd.DataFrame | Log
+
+
+@dataclass(frozen=True, repr=False)
+class Identification:
+    """What `identify` found: the estimates of one method, and how well they predict.
+
+    Attributes
+    ----------
+    details : repro.fitting.result.Result
+        Every number of every method, as ``parameters.json`` contains it.
+    method : str
+        Method that the properties below refer to: the recommended one, until `of` chooses another.
+
+    Examples
+    --------
+    >>> import repro
+    >>> result = repro.identify("data/captures/T3.bin", method=["ordinary", "bounded"])
+    >>> result.method
+    'bounded'
+    >>> bounded = result.of("bounded")
+    >>> result.beta.shape, bool((bounded.beta == result.beta).all())
+    ((9,), True)
+    >>> still = np.zeros((2, 1))
+    >>> level = np.array([[np.pi / 2], [0.0]])
+    >>> torque = result.predict(level, still, still)
+    >>> bool(abs(torque[0, 0] - result.beta[3] - result.beta[4]) < 1e-12)
+    True
+    >>> t = np.linspace(0.0, 0.1, 11)
+    >>> q, dq = result.simulate(t, np.zeros((2, 11)), [0.5, 0.0], [0.0, 0.0])
+    >>> q.shape, bool(q[0, -1] < 0.5)
+    ((2, 11), True)
+    """
+
+    details: Result
+    method: str
+    _curves: Curves
+    _arm: Arm
+    _inputs: tuple[Path, ...] = ()
+
+    def of(self, method: str) -> "Identification":
+        """Give the same result from the viewpoint of another method that was run.
+
+        Parameters
+        ----------
+        method : str
+            Its name, such as ``"bounded"``.
+
+        Raises
+        ------
+        InputError
+            If the method was not run.
+        """
+        names = [m.method for m in self.details.methods]
+        if method not in names:
+            raise InputError.at("method", repr(method), f"one of {', '.join(names)}")
+        return replace(self, method=method)
+
+    @property
+    def _shown(self) -> Result:
+        """The details with this method as the recommended one; each log alone was fitted by that one."""
+        if self.method == self.details.recommended:
+            return self.details
+        reason = f"instead of {self.details.best.title}, which is recommended"
+        return replace(self.details, recommended=self.method, reason=reason, runs=())
+
+    @property
+    def _best(self) -> MethodResult:
+        return self._shown.best
+
+    @property
+    def beta(self) -> Array:
+        """The nine parameters (9,) in the order of Eq. 1, SI units."""
+        return np.array([p.estimate for p in self._best.parameters])
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """Estimate, standard error, ends of the 95 % interval, unit and verdict of each parameter, indexed by its name.
+
+        A method that claims no intervals has NaN there.
+        """
+        table = parameters_table(self.details)
+        return table[table["method"] == self.method].drop(columns="method").set_index("parameter")
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """Torque error, similarity and position error of each log and joint: relative RMS, fraction of 1, rad."""
+        table = scores_table(self.details)
+        return table[table["method"] == self.method].drop(columns="method").reset_index(drop=True)
+
+    @property
+    def residuals(self) -> pd.DataFrame:
+        """Measured torque, rebuilt torque and their difference at each sample of each log and joint, N m."""
+        return residuals_table(self._shown, self._curves)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What may be wrong with the logs or with the result."""
+        return self.details.all_warnings
+
+    @property
+    def unusable(self) -> str:
+        """The reason not to use the parameters of this method; empty if they can be used."""
+        return unusable(self._best)
+
+    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike) -> Array:
+        """Compute the torque (..., 2, N) that a motion needs, N m.
+
+        Parameters
+        ----------
+        q, dq, ddq : array_like of shape (2, N)
+            Position (rad), velocity (rad/s) and acceleration (rad/s^2).
+
+        Raises
+        ------
+        ValueError
+            If shapes differ or a value is not finite.
+        """
+        return inverse_dynamics(q, dq, ddq, self.beta, self.details.preparation.friction_steepness)
+
+    def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
+        """Integrate Eq. 1 under a torque that is linear between samples.
+
+        Parameters
+        ----------
+        t : array_like of shape (N,)
+            Instants, s, that increase.
+        tau : array_like of shape (2, N)
+            Torque at these instants, N m.
+        q0, dq0 : array_like of shape (2,)
+            Position (rad) and velocity (rad/s) at the first instant.
+
+        Returns
+        -------
+        q, dq : arrays of shape (2, N)
+            Position and velocity at each instant.
+
+        Raises
+        ------
+        ValueError
+            If the inertia matrix is not positive definite in every pose, a shape is wrong, or a value is not finite.
+        """
+        return integrate(t, tau, q0, dq0, self.beta, self.details.preparation.friction_steepness)
+
+    def plot(self, log: int = 0) -> "Figure":
+        """Draw measured and rebuilt torque of a log, with the residual below.
+
+        Parameters
+        ----------
+        log : int
+            Place of the log: those that were fitted, then those to validate.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            To show or to save.
+
+        Raises
+        ------
+        InputError
+            If there is no such log.
+        """
+        from repro.drawing.style import house_style  # noqa: PLC0415  (a fit alone needs no drawing)
+        from repro.fitting.figures import draw_overlay  # noqa: PLC0415
+
+        n = len(self._curves.signals)
+        if log not in range(-n, n):
+            raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
+        with house_style():
+            return draw_overlay(self._curves.signals[log], {self.method: self._best.title}, self.details.simulated)
+
+    def save(self, folder: str | Path, overwrite: bool = False) -> list[str]:
+        """Write parameters, scores, residuals, report and models of the arm, by the recommended method.
+
+        Parameters
+        ----------
+        folder : path
+            New, or empty, or that of an earlier result.
+        overwrite : bool
+            Whether files with the names of these may be replaced.
+
+        Returns
+        -------
+        list of str
+            Names of the files.
+
+        Raises
+        ------
+        InputError
+            If the folder contains files and `overwrite` is not given, or cannot be written, or `of` chose another
+            method than the recommended one.
+        """
+        from repro.fitting.outputs import write_result  # noqa: PLC0415
+
+        _check_kind("folder", folder, (str, Path), "a path")
+        _check_kind("overwrite", overwrite, bool, "True or False")
+        if self.method != self.details.recommended:
+            expected = f"the recommended {self.details.recommended!r}, or identify(..., method={self.method!r})"
+            raise InputError.at("method", repr(self.method), expected)
+        check_folder(Path(folder), overwrite)
+        return write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
+
+    def __str__(self) -> str:
+        return summary(self._shown)
+
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{p.name}={p.estimate:.4g}" for p in self._best.parameters)
+        return f"Identification({self.details.log.name!r}, method={self.method!r}, {numbers})"
+
+    def _repr_html_(self) -> str:
+        """Show the parameters and the warnings in a notebook."""
+        simulated = " (simulated)" if self.details.simulated else ""
+        title = html.escape(f"{self.details.arm}{simulated}: {self._best.title}")
+        warnings = "".join(f"<li>{html.escape(line)}</li>" for line in self.warnings)
+        table = self.parameters.to_html(float_format=lambda x: f"{x:.4g}", na_rep="")
+        return f"<p><b>{title}</b></p>{table}{warnings and f'<ul>{warnings}</ul>'}"
+
+
+def identify(
+    log: Recording | Sequence[Recording],
+    *,
+    validate: Recording | Sequence[Recording] = (),
+    arm: str | Path | Arm | None = None,
+    method: str | Sequence[str] = "consistent",
+    filter: str = "dct",
+    cutoff: float | None = None,
+    friction: bool = False,
+    prior: str | Path | Mapping[str, Mapping[str, float]] | None = None,
+    self_test: bool = False,
+    seed: int = 1,
+    steps: int = 1500,
+    cache: str | Path | None = None,
+) -> Identification:
+    """Estimate the nine parameters of Eq. 1 of an arm from what it recorded.
+
+    The numbers are those of ``repro identify`` with the same options. Progress is logged at level INFO.
+
+    Parameters
+    ----------
+    log : path, DataFrame, Log, or sequence of these
+        Recording to fit. Several recordings of one arm make one fit.
+    validate : path, DataFrame, Log, or sequence of these
+        Recordings that only judge the result.
+    arm : path or Arm, optional
+        Conventions of the arm: columns, units, signs, zero positions, torque constants.
+    method : str or sequence of str
+        ``"ordinary"``, ``"weighted"``, ``"robust"``, ``"instrumental"``, ``"bounded"``, ``"consistent"``,
+        ``"parsimonious"``, ``"algorithm1"``, ``"algorithm1+refinement"``, or the groups ``"least-squares"`` and
+        ``"all"``. Of several methods the one that predicts best is recommended.
+    filter : {"dct", "savitzky-golay", "butterworth"}
+        Zero-phase filter.
+    cutoff : float, optional
+        Its cut-off, Hz; chosen from the recording by default.
+    friction : bool
+        Whether to subtract friction that Eq. 1 does not model, where the recording shows it.
+    prior : path or mapping, optional
+        What is known before: ``parameters.json`` of an earlier result, whose intervals count, or
+        ``{"g1": {"value": 1.0, "sd": 0.1}}``, in a file or as a mapping. A standard deviation of 0 keeps the value.
+    self_test : bool
+        Whether to estimate known parameters from synthetic recordings of the same motion.
+    seed : int
+        Of standard errors, training and search.
+    steps : int
+        Training steps of the CNN.
+    cache : path, optional
+        Folder of trained networks; that of the command by default.
+
+    Returns
+    -------
+    Identification
+        Parameters with intervals, errors, residuals.
+
+    Raises
+    ------
+    InputError
+        If a recording, the arm or an option is not valid, in one line.
+
+    Examples
+    --------
+    The simulated board's recording of Eq. 10, judged on another motion:
+
+    >>> import repro
+    >>> result = repro.identify("data/captures/ID.bin", validate="data/captures/T2.bin", method="bounded")
+    >>> result.parameters.loc["g1", "verdict"]
+    'known to 36 %'
+    >>> result.parameters["estimate"].round(2).to_dict()
+    {'I1': 0.12, 'I2': 0.0, 'I3': 0.03, 'g1': 0.42, 'g2': 0.1, 'b1': 0.01, 'b2': 0.02, 'k1': 0.51, 'k2': 0.33}
+    >>> unseen = result.errors[result.errors["part"] == "validation"]
+    >>> unseen["relative_rms"].round(2).to_list()
+    [0.14, 0.17]
+    >>> result.residuals.columns.to_list()
+    ['log', 'time_s', 'joint', 'torque_nm', 'rebuilt_nm', 'residual_nm']
+    >>> len(result.warnings) > 0
+    True
+    >>> figure = result.plot()
+    """
+    logs, others = _several("log", log), _several("validate", validate)
+    _check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
+    _check_kind("cache", cache, (str, Path, NoneType), "a path")
+    for name, switch in (("friction", friction), ("self_test", self_test)):
+        _check_kind(name, switch, bool, "True or False")
+    described = arm if isinstance(arm, Arm) else read_arm(arm)
+    names = choose_methods(method, len(logs), self_test)
+    before = None if prior is None else read_prior(prior)
+    networks = _expanded(Path(cache or network_cache()))
+    options = Options(names, networks, filter, cutoff, seed, steps, before, friction)
+    if set(names) & set(NETWORKS):
+        if with_plane(before, described) is not None:
+            given = "prior" if before is not None else f"{described.file}: plane"
+            raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
+        require("torch", "cnn", "method Algorithm 1", "method least-squares, or ")
+        _check_cache(options.cache)
+    loaded = [load_log(source, described) for source in (*logs, *others)]
+    for k, each in enumerate(loaded):
+        _report_log(each, briefly=k > 0)
+    problem = make_problem(loaded[: len(logs)], loaded[len(logs) :], described, options)
+    for prepared in problem.logs:
+        s = prepared.settings
+        _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
+        delay = f"{1e3 * abs(s.delay):.3g} ms {'earlier' if s.delay < 0.0 else 'later'}"
+        _LOG.info("the torque acts %s than recorded; lambda %.4g s/rad", delay, s.friction_steepness)
+    result, curves = _solve(problem, described, options, self_test)
+    inputs = [Path(source) for source in (*logs, *others, arm, prior) if isinstance(source, (str, Path))]
+    captures = [file for path in inputs if path.suffix == ".bin" for file in files_of(path)]
+    return Identification(result, result.recommended, curves, described, (*inputs, *captures))
+
+
+def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test: bool) -> tuple[Result, Curves]:
+    """Run the methods, those that take seconds first."""
+    bars: dict[str, Progress] = {}
+
+    def progress(what: str, done: int, total: int, note: str = "") -> None:
+        bars.setdefault(what, Progress(what))(done, total, note)
+
+    methods = resolve(options, progress)
+    quick = [m for m in methods if m.name not in NETWORKS]
+    fits = fit_all(problem, quick, options.seed, progress)
+    if fits and len(quick) < len(methods):
+        _LOG.info("so far, without the CNN:\n%s", summary(assemble(problem, fits, arm)[0]))
+    fits += fit_all(problem, [m for m in methods if m not in quick], options.seed, progress)
+    if not fits:
+        raise InputError.at(problem.first.loaded.name, "no solution by any method", "a log that shows more, see above")
+    result, curves = assemble(problem, fits, arm)
+    if len(problem.logs) > 1:
+        result = add_runs(result, problem, methods, options.seed, progress)
+    return (add_self_test(result, problem, arm, options, progress) if self_test else result), curves
+
+
+def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
+    """Give one or several recordings as a tuple, names of files as paths."""
+    some = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    expected = "a path, a DataFrame, Log(t=..., q=..., tau=...) of arrays, or a list of these"
+    for one in some:
+        _check_kind(name, one, (str, Path, pd.DataFrame, Log), expected)
+    return tuple(Path(one) if isinstance(one, str) else one for one in some)
+
+
+def _check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
+    if not isinstance(value, kind):
+        shown = repr(value)
+        raise InputError.at(name, shown if len(shown) <= 60 else f"a value of type {type(value).__name__}", expected)
+
+
+def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:
+    """Resolve groups of methods; several logs are for least squares, because a network is trained for one motion."""
+    if not n_logs:
+        raise InputError.at("log", "no recording", "at least one")
+    given = tuple(method) if isinstance(method, (list, tuple)) else (method,)
+    for one in given:
+        _check_kind("method", one, str, "a name or a list of names")
+    names = tuple(dict.fromkeys(name for one in given for name in GROUPS.get(one, (one,))))
+    unknown = [name for name in names if name not in GROUPS["all"]]
+    if unknown or not names:
+        known = ", ".join((*GROUPS, *GROUPS["all"]))
+        raise InputError.at("method", repr(unknown[0]) if unknown else "none", f"one of {known}")
+    if n_logs > 1 and set(names) & set(NETWORKS):
+        expected = "method least-squares, or one log: a network is trained for one motion"
+        raise InputError.at("method", "Algorithm 1 for several logs", expected)
+    if self_test and not set(names) - set(NETWORKS):
+        raise InputError.at("self_test", "Algorithm 1 alone", "a method of least squares, which claims intervals")
+    return names
+
+
+def _expanded(cache: Path) -> Path:
+    try:
+        return cache.expanduser()
+    except RuntimeError as error:
+        raise InputError.at(f"cache: {cache}", "no such user", "a folder that can be written") from error
+
+
+def _check_cache(cache: Path) -> None:
+    """Refuse a cache that cannot be written before minutes of training are spent."""
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=cache):
+            pass
+    except OSError as error:
+        raise InputError.at(f"cache: {cache}", error.strerror or "no folder", "a folder that can be written") from error
+
+
+def _report_log(loaded: LoadedLog, briefly: bool) -> None:
+    d = loaded.description
+    _LOG.info("%s%s", d.name, " (simulated board)" if d.simulated else "")
+    for label, value in d.facts:
+        if not briefly or label in ("length", "rate", "gaps"):
+            _LOG.info("  %s: %s", label, value)
+    for note in d.notes:
+        _LOG.info("  note: %s", note)
+    for warning in d.warnings:
+        _LOG.warning("  WARNING: %s", warning)

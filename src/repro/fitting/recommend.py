@@ -1,0 +1,223 @@
+"""Which method's parameters to use, and warnings about the result as a whole."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from operator import itemgetter
+
+import numpy as np
+
+from repro.errors import option
+from repro.fitting.prepare import delay_at_limit
+from repro.fitting.problem import IdentificationProblem
+from repro.fitting.result import HALVES, Excitation, MethodResult, Score
+from repro.identification.armfile import Arm
+from repro.identification.least_squares import METHODS
+from repro.identification.regression import solve
+from repro.identification.scores import driven, relative_rms
+
+#: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
+#: validation error over fit error, relative RMS error of the fit.
+CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
+USELESS = 0.5  # relative torque error, fit or prediction, above which parameters must not be used
+SMALL = 0.1  # prediction errors, relative RMS, up to which `WORSE` is not applied
+#: A network's validation error over the best of least squares above which a note explains it; fits whose similarities
+#: differ by less than the second are equally good.
+WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
+#: Standard deviations of the prior between its mean and the estimate, above which they contradict each other.
+CONTRADICTION = 3.0
+FREED = 0.8  # torque error without a known parameter, over that with it, below which the log contradicts it
+LENGTH_RATIO = 1.25  # ratio of the implied length of link 1 to the given one that is left to errors of the given one
+EARLY = -0.005  # a delay below this is no drive's, s
+SHORT = 15.0  # a log of fewer seconds deserves a warning
+#: What to type for a motion that shows more.
+EXCITE = "record the motion that repro excite --arm arm.yaml -o OUT (Python: repro.excite) designs"
+EQUAL = 1.01  # errors that differ by less than this factor are equally good
+
+
+def prediction_error(method: MethodResult) -> float:
+    """Mean relative RMS torque error over both joints of the validation logs, or else of the halves."""
+    scores: Sequence[Score] = method.validation or method.halves
+    return float(np.mean([s.relative_rms for s in scores])) if scores else np.inf
+
+
+def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
+    """Choose the physically consistent method that predicts unseen data best, and give the reason."""
+    consistent = [m for m in methods if m.consistent]
+    # Parameters are for use with their intervals, if any method has them.
+    able = [m for m in consistent if m.claims_intervals] or consistent or methods
+    errors = [prediction_error(m) for m in able]
+    if min(errors) == np.inf:
+        errors = [float(np.mean(m.fit.relative_rms)) for m in able]
+    best = next(m for m, error in zip(able, errors, strict=True) if error <= EQUAL * min(errors))
+    if not consistent:
+        return best.method, "none of the methods gives physically consistent parameters; this one predicts best"
+    if len(methods) == 1:
+        return best.method, "the only method requested"
+    if prediction_error(best) == np.inf:
+        remedy = "give a log to judge by: --validate LOG (Python: validate=log)"
+        return best.method, f"smallest error on the log it was fitted to; {remedy}"
+    halves = best.halves and best.halves[0].log in HALVES
+    rest = "each half from the other" if halves else "each log from the others"
+    on = "the validation logs" if best.validation else rest
+    return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
+
+
+def compare_networks(methods: Sequence[MethodResult], networks: Sequence[str]) -> tuple[MethodResult, ...]:
+    """Add a note to each method that runs a network: its validation error against the best of the others."""
+    best = min((m for m in methods if m.method not in networks and m.validation), key=prediction_error, default=None)
+    return tuple(
+        replace(m, notes=(*m.notes, _comparison(m, best))) if best and m.method in networks and m.validation else m
+        for m in methods
+    )
+
+
+def _comparison(method: MethodResult, best: MethodResult) -> str:
+    ratio = prediction_error(method) / max(prediction_error(best), np.finfo(np.float64).tiny)
+    note = f"mean validation error {ratio:.3g} times that of the best least squares ({best.method})"
+    if ratio <= WORSE_THAN_BEST:
+        return note
+    gap = float(np.mean(method.fit.similarity) - np.mean(best.fit.similarity))
+    reason = "the similarity that it maximises does not show the difference" if gap > -SAME_FIT else "it fits worse"
+    more = "higher" if gap > 0 else "lower"
+    return f"{note}; on the fitted log its similarity is {100 * abs(gap):.2g} points {more}: {reason}"
+
+
+def warnings(
+    problem: IdentificationProblem, methods: Sequence[MethodResult], recommended: str, excitation: Excitation
+) -> tuple[str, ...]:
+    """List what may spoil the result as a whole, one line each: first what an option or the arm file can change."""
+    best = next(m for m in methods if m.method == recommended)
+    can_be_changed = (*_unusable(methods, best), *contradicted(problem, best), *odd_delay(problem))
+    of_logs = (*undriven(problem, best), *disagreeing(problem, best), *_poor_scores(best))
+    return (*can_be_changed, *of_logs, *_poor_excitation(excitation, best), *_short(problem))
+
+
+def unusable(method: MethodResult) -> str:
+    """Give the reason not to use the parameters; empty if they can be used. Validation logs count before halves."""
+    if not method.consistent:
+        return f"the parameters are not physically consistent: {method.why_not_consistent}"
+    judged = [score for kind, score in method.scores if kind != "half" or not method.validation]
+    worst, where = max((max(score.relative_rms), score.log) for score in judged)
+    return f"Eq. 1 leaves up to {100 * worst:.0f} % of a torque unexplained ({where})" if worst > USELESS else ""
+
+
+def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
+    if reason := unusable(best):
+        remedy = "" if any(m.method == "consistent" for m in methods) else f"; give {option('method', 'consistent')}"
+        yield reason + (": do not use the parameters, nor their URDF and MJCF" if best.consistent else remedy)
+
+
+def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
+    """Warn of a prior that the log contradicts: of a known parameter, because the torque is rebuilt better without."""
+    prior, r, every = problem.prior, problem.moving, np.arange(len(method.parameters))
+    if prior is None:
+        return
+    given = float(np.mean(relative_rms(r, np.array([p.estimate for p in method.parameters]))))
+    for k in np.flatnonzero(prior.known).tolist():
+        free = replace(r, prior=replace(prior, sd=np.where(every == k, np.inf, prior.sd)))
+        beta = METHODS["ordinary"].estimate(free).beta
+        error = float(np.mean(relative_rms(r, beta)))
+        if error < FREED * given:
+            p, change = method.parameters[k], f"torque error {100 * error:.3g} instead of {100 * given:.3g} %"
+            known = f"{p.name} = {prior.mean[k]:.4g} {p.unit}"
+            yield f"the log contradicts {known}, which is given as known: left out it is {beta[k]:.4g} ({change})"
+    for k in prior.informative:
+        p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
+        inside = p.low is not None and p.high is not None and p.low <= mean <= p.high
+        if abs(p.estimate - mean) > CONTRADICTION * sd and not inside:
+            found = f"{mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes {p.estimate:.4g}"
+            yield f"the log contradicts the prior of {p.name}: {found}; check the prior, or leave {p.name} out of it"
+
+
+def wrong_length(method: MethodResult, arm: Arm) -> Iterator[str]:
+    """Warn if I2 and g2 imply another length of link 1 than the arm file: wrong times change inertia, not gravity."""
+    i2, g2 = method.parameters[1], method.parameters[4]
+    if arm.link_lengths is None or arm.plane == "horizontal" or not (i2.low and i2.high and g2.low and g2.high):
+        return
+    given, *implied = arm.link_lengths[0], *(i2.low / g2.high, i2.estimate / g2.estimate, i2.high / g2.low)
+    low, length, high = (0.5 * arm.gravity * ratio for ratio in implied)
+    if g2.low > 0.0 and low > 0.0 and (low > LENGTH_RATIO * given or high < given / LENGTH_RATIO):
+        found = f"I2 and g2 imply l1 = {length:.3g} m, and the arm file states {given:.3g} m"
+        reason = f"times that are {np.sqrt(length / given):.2g} times the true ones explain it"
+        yield f"{found}: check link_lengths and the unit of time ({reason})"
+
+
+def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
+    """Warn of joints without torque in a log."""
+    beta = np.array([parameter.estimate for parameter in method.parameters])
+    for log in problem.logs:
+        for joint in np.flatnonzero(~driven(log.regression, beta)) + 1:
+            found = f"joint {joint} has next to no torque in {log.loaded.log.name}"
+            reason = f"either the other joint moves it or its torque was not recorded (arm file: columns.tau{joint})"
+            yield f"{found}: {reason}; its error is relative to the torques that should cancel"
+
+
+def _poor_excitation(excitation: Excitation, method: MethodResult) -> Iterator[str]:
+    if excitation.rank < 9:
+        yield f"the motion determines only {excitation.rank} combinations of the nine parameters: {EXCITE}"
+    elif excitation.condition > CONDITION:
+        found = f"condition number {excitation.condition:.3g}"
+        yield f"the motion hardly distinguishes the parameters ({found}): {EXCITE}"
+    for joint, correlation in enumerate(excitation.friction_correlation, start=1):
+        parameters = (method.parameters[4 + joint], method.parameters[6 + joint])
+        known = all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in parameters)
+        if abs(correlation) > CORRELATION and not known:
+            found = f"viscous and Coulomb friction of joint {joint} are hard to distinguish"
+            remedy = f"record slow and fast motion in one log, or give {option('method', 'parsimonious')}"
+            yield f"{found} (correlation {correlation:.2f}): {remedy}"
+
+
+def _poor_scores(method: MethodResult) -> Iterator[str]:
+    """Warn of a poor fit, of residuals that are not white, and of predictions much worse than the fit."""
+    fit = max(method.fit.relative_rms)
+    if fit > POOR:
+        found = f"{100 * fit:.3g} % of the torque of joint {method.fit.relative_rms.index(fit) + 1} unexplained"
+        remedy = "check units, sign and zero in the arm file; if they are right, unmodelled effects are as large"
+        yield f"Eq. 1 leaves {found}: {remedy}"
+    if abs(worst := max(method.whiteness, key=abs)) > AUTOCORRELATION:
+        reason = "Eq. 1 does not model this friction or flexibility"
+        remedy = f"compare with {option('friction')} and {option('self-test')}"
+        yield f"residuals are far from white (autocorrelation {worst:.2f}): {reason}; {remedy}"
+    worst = max((max(s.relative_rms) for s in method.validation), default=0.0)
+    if worst > max(WORSE * fit, SMALL):
+        found = f"reaches {100 * worst:.3g} %, on the fitted log {100 * fit:.3g} %: the logs excite different effects"
+        yield f"on the validation logs the torque error {found}; fit both, and validate on a third"
+    half = max((max(s.relative_rms) for s in method.halves if s.log in HALVES), default=0.0)
+    if half > max(WORSE * fit, SMALL):
+        found = f"one half of the log predicts the other with a torque error of {100 * half:.0f} %"
+        reason = "the log is too short, or something changed during it"
+        yield f"{found}: {reason}; record a longer one, or fit several logs"
+
+
+def disagreeing(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
+    """Warn of the log that the others predict worst, if it can be fitted much better."""
+    pairs = zip(method.halves, problem.left_out, strict=False)  # by place, because two logs may have one name
+    left_out = [(max(score.relative_rms), log) for score, (log, _) in pairs if score.log not in HALVES]
+    if not left_out:
+        return
+    predicted, log = max(left_out, key=itemgetter(0))
+    own = max(relative_rms(log.regression, solve(log.moving.y, log.moving.tau)))
+    if predicted > max(WORSE * own, SMALL):
+        found = f"its torque error is {100 * predicted:.3g} % predicted from them, and {100 * own:.3g} % fitted alone"
+        yield f"the log {log.loaded.name} disagrees with the others: {found}; leave it out if the arm changed"
+
+
+def _short(problem: IdentificationProblem) -> Iterator[str]:
+    pieces = [piece for log in problem.logs for piece in log.loaded.log.pieces]
+    length = sum(float(piece.t[-1] - piece.t[0]) for piece in pieces)
+    if length < SHORT:
+        yield f"the log is short, {length:.3g} s: the intervals are reliable from {SHORT:g} s on; record more"
+
+
+def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
+    """Warn of a delay that no drive has, or at the end of the search range."""
+    for log in problem.logs if problem.estimates_delay else ():
+        where = f" in {log.loaded.log.name}" if len(problem.logs) > 1 else ""
+        delay = f"{1e3 * log.settings.delay:.3g} ms"
+        if delay_at_limit(log.settings.delay):
+            found = f"at the end of the search range ({delay}): check the time stamps"
+            yield f"the delay of the torque{where} is {found}, then give delay (s) in the arm file"
+        elif log.settings.delay < EARLY:
+            found = f"the delay of the torque{where} is {delay}, as if it acted before it was recorded"
+            reason = "either the stamps of position and torque differ, or the log does not determine it"
+            yield f"{found}: {reason} (arm file: delay)"

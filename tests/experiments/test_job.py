@@ -1,0 +1,102 @@
+"""A rule's work: bad input is one line and exit code 2, any other failure keeps its traceback to the log."""
+
+import logging
+import signal
+import subprocess
+import sys
+
+import pytest
+import torch
+
+from repro.errors import InputError
+from repro.experiments.job import ALLOCATOR, job, set_allocator, share_lock
+
+
+@pytest.fixture(autouse=True)
+def as_before():
+    """Leave torch and the root logger as they were."""
+    threads, deterministic = torch.get_num_threads(), torch.are_deterministic_algorithms_enabled()
+    level = logging.getLogger("repro").level
+    yield
+    torch.set_num_threads(threads)
+    torch.use_deterministic_algorithms(deterministic)
+    logging.getLogger("repro").setLevel(level)
+
+
+@pytest.fixture
+def log(tmp_path):
+    return tmp_path / "logs" / "rule.log"
+
+
+def test_bad_input_is_one_line_and_exit_code_2(log, capsys):
+    message = "mean_torque.csv: line 3: joint1: found no finite number, expected a torque in N m"
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        raise InputError(message)
+    assert stop.value.code == 2
+    assert capsys.readouterr() == ("", message + "\n")
+    text = log.read_text(encoding="utf-8")
+    assert message in text and "Traceback" not in text
+
+
+@pytest.mark.parametrize("error", [ValueError("shapes"), MemoryError(), KeyboardInterrupt(), SystemExit(143)])
+def test_any_other_failure_has_its_traceback_in_the_log_alone(log, capsys, error):
+    def fail():
+        if isinstance(error, SystemExit):
+            signal.raise_signal(signal.SIGTERM)
+        raise error
+
+    with pytest.raises(SystemExit) as stop, job(str(log)):
+        fail()
+    assert stop.value.code == 1
+    printed, errors = capsys.readouterr()
+    (line,) = errors.splitlines()
+    assert printed == "" and str(log) in line
+    text = log.read_text(encoding="utf-8")
+    for part in ("Traceback (most recent call last)", "in fail", type(error).__name__):
+        assert part in text
+
+
+def test_progress_goes_to_the_log_and_the_terminal(log, capsys):
+    for line in ("of an earlier run", "half done"):
+        with job(str(log)):
+            logging.getLogger("repro.anything").info(line)
+    assert capsys.readouterr().err == "of an earlier run\nhalf done\n"
+    assert [line.endswith("half done") for line in log.read_text(encoding="utf-8").splitlines()] == [True]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_threads_are_those_of_the_rule(log, threads):
+    with job(str(log), threads):
+        assert torch.get_num_threads() == threads
+        assert torch.are_deterministic_algorithms_enabled()
+
+
+HOLDER = """
+import sys
+from pathlib import Path
+from repro.experiments.job import share_lock
+lock = share_lock(Path(sys.argv[1]))
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_locks_of_a_run_are_removed_once_it_and_its_jobs_are_dead(tmp_path):
+    locks = tmp_path / "locks"
+    share_lock(tmp_path).close()
+    with subprocess.Popen([sys.executable, "-c", HOLDER, tmp_path], stdin=-1, stdout=-1) as holder:
+        assert holder.stdout.readline() == b"held\n"
+        locks.mkdir()
+        share_lock(tmp_path, clear=True).close()
+        assert locks.exists()
+        holder.kill()
+    share_lock(tmp_path).close()
+    assert locks.exists()  # a job removes nothing
+    share_lock(tmp_path, clear=True).close()
+    assert not locks.exists()
+
+
+def test_what_the_user_has_set_of_the_allocator_stays():
+    environment = {"MALLOC_TOP_PAD_": "5"}
+    set_allocator(environment)
+    assert environment == {**ALLOCATOR, "MALLOC_TOP_PAD_": "5"}

@@ -1,0 +1,199 @@
+"""Which method `repro identify` recommends, why, and what it warns of."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fitting_example import method, score
+from fitting_problem import problem_of
+from regression_example import exciting
+
+from repro.fitting.prior import read_prior
+from repro.fitting.recommend import compare_networks, recommend, undriven, unusable, warnings, wrong_length
+from repro.fitting.result import Excitation
+from repro.identification.armfile import Arm
+from repro.model.parameters import NAMES
+
+AMONG = "among the physically consistent methods"
+
+
+def test_validation_logs_count_before_halves():
+    # Halves say b, the logs not used say a; without such logs it is b.
+    a = method("a", "A", 1.0, halves=(score("second half", 0.5, 0.5),))
+    b = method("b", "B", 1.1, halves=(score("second half", 0.01, 0.01),))
+    assert recommend((a, b))[0] == recommend((b, a))[0] == "a"
+    halves = recommend([replace(m, validation=()) for m in (a, b)])
+    assert halves == ("b", f"smallest mean torque error on each half from the other {AMONG}")
+    others = recommend([replace(m, validation=(), halves=m.validation) for m in (a, b)])
+    assert others == ("a", f"smallest mean torque error on each log from the others {AMONG}")
+
+
+def test_halves_make_parameters_unusable_only_without_validation_logs():
+    a = method("a", "A", 1.0, validation=(score("x", 0.1, 0.2),), halves=(score("second half", 0.1, 0.6),))
+    assert not unusable(a)
+    assert unusable(replace(a, validation=())) == "Eq. 1 leaves up to 60 % of a torque unexplained (second half)"
+    bad = replace(a, validation=(score("x", 0.51, 0.2),))
+    assert unusable(bad) == "Eq. 1 leaves up to 51 % of a torque unexplained (x)"
+
+
+SCORES = {"fit": score("log.csv", 0.05, 0.06), "validation": (score("x", 0.05, 0.119), score("y", 0.119, 0.1))}
+GOOD = method("a", "A", **SCORES, halves=(score("second half", 0.05, 0.119),), whiteness=(0.5, -0.5))
+KNOWN = tuple(replace(p, low=0.9 * p.estimate, high=1.1 * p.estimate) for p in GOOD.parameters)
+VAGUE = tuple(replace(p, low=None, high=None) for p in GOOD.parameters)
+TELLING = Excitation(9, 100.0, (0.1,) * 9, (-0.9, 0.9), (), NAMES)
+#: Each limit just passed: what is changed, and words of the one warning about it.
+PASSED = [
+    ({"rank": 7, "condition": 1e16}, {}, {}, ("7 combinations",)),
+    ({"condition": 100.1}, {}, {}, ("condition number 100",)),
+    ({"friction_correlation": (-0.901, 0.9)}, {"parameters": VAGUE}, {}, ("friction of joint 1", "-0.90")),
+    ({"friction_correlation": (-0.9, 0.95)}, {"parameters": VAGUE}, {}, ("friction of joint 2", "0.95")),
+    ({"friction_correlation": (0.92, 0.92)}, {"parameters": (*KNOWN[:7], VAGUE[7], KNOWN[8])}, {}, ("joint 1", "0.92")),
+    ({}, {"fit": score("log.csv", 0.301, 0.06)}, {}, ("30.1 %", "joint 1 unexplained")),
+    ({}, {"fit": score("log.csv", 0.05, 0.42)}, {}, ("42 %", "joint 2 unexplained")),
+    ({}, {"whiteness": (0.51, 0.1)}, {}, ("far from white", "0.51")),
+    ({}, {"whiteness": (0.1, -0.7)}, {}, ("far from white", "-0.70")),
+    ({}, {"validation": (score("x", 0.05, 0.121),)}, {}, ("12.1 %", "fitted log 6 %")),
+    ({}, {"halves": (score("second half", 0.05, 0.121),)}, {}, ("one half", "12 %")),
+    ({}, {}, {"delay": 0.02}, ("delay", "end of", "(20 ms)")),
+    ({}, {}, {"delay": -0.02}, ("delay", "end of", "(-20 ms)")),
+    ({}, {}, {"delay": -0.0051}, ("delay", "-5.1 ms", "before")),
+    ({}, {"consistent": False, "why_not_consistent": "b2 = -1"}, {}, ("not physically consistent: b2 = -1",)),
+]
+
+
+def warned(excitation, changes, settings, others=()):
+    problem = problem_of(exciting(50), **{"delay": 0.0197, **settings})
+    return warnings(problem, (*others, replace(GOOD, **changes)), "a", replace(TELLING, **excitation))
+
+
+def test_at_its_limits_nothing_is_warned_of():
+    assert warned({}, {}, {}) == ()
+    assert warned({}, {"fit": score("log.csv", 0.3, 0.3)}, {}) == ()
+    assert warned({}, {"validation": ()}, {"delay": -0.0049}) == ()
+    assert warned({}, {}, {"delay": 0.02, "estimates_delay": False}) == ()
+    # A tenth is little, however small the error on the log itself.
+    for error, count in ((0.1, 0), (0.101, 2)):
+        unseen = {"validation": (score("x", error, 0.1),), "halves": (score("first half", 0.1, error),)}
+        assert len(warned({}, {"fit": score("log.csv", 0.01, 0.01), **unseen}, {})) == count
+    # What another method does is not reported.
+    bad = method("b", "B", whiteness=(0.99, 0.99), consistent=False, fit=score("log.csv", 0.9, 0.9))
+    assert warned({}, {}, {}, (bad,)) == ()
+
+
+@pytest.mark.parametrize(("excitation", "changes", "settings", "words"), PASSED)
+def test_each_limit_passed_gives_one_warning(excitation, changes, settings, words):
+    (line,) = warned(excitation, changes, settings)
+    assert all(word in line for word in words), line
+
+
+def test_a_short_log_is_warned_of():
+    problem = problem_of(exciting(50), delay=0.0)
+    loaded = problem.first.loaded
+    gap = 20.0 * (loaded.log.t > 9.0)
+    for seconds, short in ((14.9, True), (15.1, False)):
+        log = replace(loaded.log, t=np.linspace(0.0, seconds, gap.size) + gap, breaks=(int(gap.argmax()),))
+        ready = replace(problem.first, loaded=replace(loaded, log=log))
+        lines = warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)
+        assert any("short" in line for line in lines) == short
+
+
+@pytest.mark.parametrize(("share", "lines"), [(0.9, 0), (1.1, 1)])
+def test_a_prior_outside_the_interval_is_contradicted(share, lines):
+    g1 = GOOD.parameters[3]
+    prior = read_prior({"g1": {"value": g1.estimate + share * (g1.high - g1.estimate), "sd": 1e-3}})
+    found = warnings(replace(problem_of(exciting(50), delay=0.0), prior=prior), (GOOD,), "a", TELLING)
+    assert sum("contradicts the prior of g1" in line for line in found) == lines
+
+
+def test_a_joint_without_torque_is_named():
+    r = exciting(50)
+    for joint in (1, 2):
+        weak, still = (r.tau * np.where(np.arange(2) == joint - 1, x, 1.0)[:, np.newaxis] for x in (0.1, 0.0))
+        assert not list(undriven(problem_of(replace(r, tau=weak)), GOOD))
+        (line,) = undriven(problem_of(replace(r, tau=still)), GOOD)
+        assert line.startswith(f"joint {joint} has next to no torque in log.csv")
+
+
+def test_without_a_prediction_the_fit_decides_and_the_reason_says_so():
+    a, b, c = (
+        method(name, name, fit=score("log.csv", *fit), validation=(), halves=(), consistent=consistent)
+        for name, fit, consistent in (("a", (0.2, 0.1), True), ("b", (0.05, 0.12), True), ("c", (0.01, 0.01), False))
+    )
+    for methods in ((a, b, c), (c, b, a)):
+        name, reason = recommend(methods)
+        assert name == "b"
+        assert reason.startswith("smallest error on the log it was fitted to; give a log to judge by: --validate")
+    # Where one was judged on halves, what it predicts counts before the fit.
+    assert recommend((b, replace(a, halves=(score("second half", 0.9, 0.9),))))[0] == "a"
+
+
+@pytest.mark.parametrize("part", ["validation", "halves", "fit"])
+def test_of_errors_within_a_percent_the_first_asked_for_is_taken(part):
+    def with_error(name, error):
+        only = {"validation": (), "halves": (), "fit": score("log.csv", 0.5, 0.5)}
+        one = score("x", error, error)
+        return method(name, name, **{**only, part: one if part == "fit" else (one,)})
+
+    best, as_good, worse = with_error("best", 0.1), with_error("as good", 0.1009), with_error("worse", 0.1011)
+    assert recommend((worse, as_good, best))[0] == "as good"
+    assert recommend((best, as_good, worse))[0] == "best"
+    assert recommend((worse, best))[0] == "best"
+    assert recommend((worse, replace(best, claims_intervals=False)))[0] == "worse"
+
+
+def network(error, similarity=0.9, name="algorithm1", **changes):
+    """A method with this validation error in both joints, and this similarity on the log itself."""
+    fit = replace(score("log.csv", 0.1, 0.1), similarity=(similarity - 0.01, similarity + 0.01))
+    return method(name, name, fit=fit, **{"validation": (score("x", error, error),), "notes": ("first",), **changes})
+
+
+def note(*methods):
+    """What is added to the first of the methods, the only one that runs a network."""
+    compared = compare_networks(methods, ("algorithm1",))
+    first, added = compared[0].notes
+    assert compared == (replace(methods[0], notes=(first, added)), *methods[1:])
+    return added
+
+
+@pytest.mark.parametrize(
+    ("similarity", "words", "reason"),
+    [
+        (0.95, "5 points higher", "does not show the difference"),
+        (0.897, "0.3 points lower", "does not show the difference"),
+        (0.85, "5 points lower", "it fits worse"),
+    ],
+)
+def test_the_note_on_a_network_that_predicts_far_worse_gives_the_reason(similarity, words, reason):
+    added = note(network(0.15, similarity), network(0.3, name="b"), network(0.1, name="a"))
+    assert "1.5 times that of the best least squares (a)" in added
+    assert words in added and added.endswith(reason)
+    # Up to a twentieth worse needs no reason.
+    assert ";" not in note(network(0.1049, similarity), network(0.1, name="a"))
+    assert ";" in note(network(0.1051, similarity), network(0.1, name="a"))
+
+
+def test_a_network_is_compared_with_least_squares_only_on_logs_that_both_predicted():
+    one, other = network(0.1), network(0.2, name="a")
+    unseen = [replace(m, validation=()) for m in (one, other)]
+    for methods in ((one,), (one, unseen[1]), (unseen[0], other), (other, network(0.1, name="b"))):
+        assert compare_networks(methods, ("algorithm1",)) == methods
+
+
+@pytest.mark.parametrize(
+    ("i2", "arm", "words"),
+    [
+        (0.1, {"link_lengths": (0.41, 0.2)}, ()),  # I2 g / (2 g2) is 0.5 m
+        (0.4, {"link_lengths": (0.5, 0.2)}, ("2 m", "0.5 m", "2 times")),
+        (0.025, {"link_lengths": (0.5, 0.2)}, ("0.125 m", "0.5 m", "0.5 times")),
+        (0.4, {"link_lengths": (0.5, 0.2), "plane": "horizontal"}, ()),
+        (0.4, {}, ()),
+        (-0.4, {"link_lengths": (0.5, 0.2)}, ()),
+    ],
+)
+def test_times_of_another_unit_contradict_the_length_of_link_1(i2, arm, words):
+    parameters = list(GOOD.parameters)
+    for k, value in ((1, i2), (4, 1.0)):
+        parameters[k] = replace(parameters[k], estimate=value, low=value - 0.01, high=value + 0.01)
+    lines = list(wrong_length(replace(GOOD, parameters=tuple(parameters)), Arm(gravity=10.0, **arm)))
+    assert len(lines) == bool(words)
+    assert all(word in lines[0] for word in words)

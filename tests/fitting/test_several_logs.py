@@ -1,0 +1,158 @@
+"""Several logs of one arm as one fit: one delay, faults of each log, and one that disagrees is named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fitting_problem import ARM, loaded, problem_of_logs, silent, solved
+from log_example import BETA, motion
+from regression_example import log_from, resting
+
+from repro.fitting.evaluate import add_runs
+from repro.fitting.prior import read_prior
+from repro.identification import filtering
+from repro.identification.least_squares import METHODS
+from repro.identification.log import Log
+
+pytestmark = pytest.mark.slow
+
+
+def noisy_log(name, seed, noise=0.02, zero=(0.0, 0.0), pose=(0.0, 0.0), size=1.0, ripple=0.0, beta=BETA, delay=0.0):
+    """A stretch of the known motion, or of a small one near a pose; zeros may be off and torques have ripple."""
+
+    def moved(t):
+        q, dq, ddq = motion(t + 3.0 * seed)
+        return np.reshape(pose, (2, 1)) + size * q, size * dq, size * ddq
+
+    log = log_from(moved, seconds=15.0 if size == 1.0 else 6.0, beta=beta, delay=delay)
+    tau = log.tau + ripple * np.sin(9.0 * log.q) + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
+    return loaded(Log(name=name, t=log.t, q=log.q + np.reshape(zero, (2, 1)), tau=tau))
+
+
+def near(pose, name, seed=1, size=0.1, noise=0.1, zero=0.0, ripple=0.0):
+    return noisy_log(name, seed, noise, (0.0, zero), pose, size, ripple)
+
+
+def scaled(log, *factors):
+    return loaded(replace(log.log, tau=log.log.tau * np.reshape(factors, (2, 1))))
+
+
+def faults_of(*logs):
+    return [{fault.name: fault.value for fault in log.faults} for log in problem_of_logs(*logs).logs]
+
+
+def spread_of_runs(problem, result):
+    return add_runs(result, problem, METHODS.values(), 1, silent).spread
+
+
+def test_logs_have_one_delay_and_one_fit_and_each_its_faults():
+    logs = noisy_log("a.csv", 0, delay=0.004), noisy_log("b.csv", 1, delay=0.004, zero=(0.08, 0.0))
+    problem = problem_of_logs(*logs)
+    result, _ = solved(problem)
+    assert [log.settings.delay for log in problem.logs] == pytest.approx([0.004, 0.004], abs=5e-4)
+    assert problem.logs[0].settings.delay == problem.logs[1].settings.delay
+    assert [[fault.name for fault in log.faults] for log in problem.logs] == [[], ["zero1"]]
+    assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
+    other = noisy_log("c.csv", 2, delay=0.004)  # is corrected as all logs are, so not at all
+    ((predicted, _),) = problem_of_logs(*logs[::-1], validation=(other,)).validation
+    np.testing.assert_array_equal(predicted.log.q, other.log.q)
+    assert any(line.startswith("in b.csv the zero of joint 1") for line in result.warnings)
+    assert not any("disagrees" in line for line in result.warnings)
+    assert [p.estimate for p in result.best.parameters[:5]] == pytest.approx(BETA[:5], rel=0.03)
+    assert [score.log for score in result.best.halves] == ["a.csv", "b.csv"]
+    assert max(max(score.relative_rms) for score in result.best.halves) < 0.1
+    assert result.spread == ()
+    for row, truth in zip(spread_of_runs(problem, result)[:5], BETA, strict=False):
+        assert row.agree
+        assert row.estimates == pytest.approx([truth, truth], rel=0.05)
+
+
+def test_logs_have_one_lambda_and_one_cutoff(monkeypatch):
+    choose, hertz = filtering.choose_cutoff, iter((5.0, 5.0, 5.0, 3.0, 5.0, 5.0))  # the last log needs less, at last
+    monkeypatch.setattr(filtering, "choose_cutoff", lambda *given: replace(choose(*given), hertz=next(hertz)))
+    logs = [loaded(log_from(motion, steepness=s, delay=1e-3 * s / 20.0)) for s in (100.0, 20.0)]
+    settings = [log.settings for log in problem_of_logs(*logs, arm=replace(ARM, friction_steepness=None)).logs]
+    assert {(s.cutoff, s.friction_steepness) for s in settings} == {(3.0, 50.0)}
+
+
+def test_a_log_of_another_arm_is_named_and_disagrees_from_run_to_run():
+    other = BETA * np.array([1.8, 1.7, 1.6, 1.7, 1.8, 1, 1, 1, 1])
+    problem = problem_of_logs(noisy_log("odd.csv", 0), noisy_log("b.csv", 1), noisy_log("odd.csv", 3, beta=other))
+    result, _ = solved(problem)
+    (line,) = (line for line in result.warnings if "disagrees" in line)
+    assert line.startswith("the log odd.csv disagrees with the others")
+    assert float(line.partition(" % fitted alone")[0].rpartition(" ")[2]) < 0.5  # of the last log, not of the first
+    assert {row.name for row in spread_of_runs(problem, result) if row.agree is False} >= {"I1", "I2", "g1", "g2"}
+
+
+def test_logs_whose_delays_differ_do_not_determine_the_common_one_better_than_that():
+    logs = problem_of_logs(noisy_log("a.csv", 0, delay=0.004), noisy_log("a.csv", 0, delay=0.006)).logs
+    assert [log.settings.delay for log in logs] == pytest.approx([0.005] * 2, abs=2e-4)
+    assert [log.delay_error for log in logs] == pytest.approx([0.001] * 2, rel=0.1)
+    stated = problem_of_logs(noisy_log("a.csv", 0, delay=0.004), arm=replace(ARM, delay=0.0))
+    assert stated.first.settings.delay == 0.0
+
+
+def test_a_log_that_does_not_show_its_fault_is_corrected_next_to_another():
+    wrong = near((1.0, -0.6), "slow.csv", noise=0.3, zero=0.15)
+    assert faults_of(wrong) == [{}]
+    assert faults_of(wrong, noisy_log("a.csv", 0)) == [{"zero2": pytest.approx(-0.15, abs=0.01)}, {}]
+
+
+def test_next_to_a_log_that_is_wrong_right_ones_are_not_blamed():
+    """Each of the three would look wrong next to the other two: that which gains most is corrected first."""
+    logs = near((1.0, -0.6), "a.csv", 5, 0.5), near((0.3, 0.9), "b.csv", 6, 0.4), near((1.0, 0.2), "c.csv", 7, zero=0.2)
+    assert faults_of(*logs) == [{}, {}, {"zero2": pytest.approx(-0.2, abs=0.03)}]
+
+
+def test_a_zero_that_the_other_logs_contradict_is_not_applied():
+    rippled = near((0.3, 0.9), "ripple.csv", 2, size=0.15, noise=0.02, ripple=0.15)
+    assert faults_of(rippled)[0].keys() == {"zero1"}
+    assert faults_of(rippled, noisy_log("a.csv", 3), noisy_log("b.csv", 1)) == [{}, {}, {}]
+
+
+def test_a_torque_constant_is_corrected_in_all_logs_or_none_and_a_poor_log_has_no_veto():
+    logs = noisy_log("a.csv", 4), scaled(noisy_log("b.csv", 5), 1.0, 1.4)
+    assert all("scale2" not in faults for faults in faults_of(*logs))
+    logs = noisy_log("a.csv", 0), near((0.3, 0.9), "slow.csv", noise=0.3)
+    assert faults_of(*(scaled(log, 1.0, 1.15) for log in logs))[0] == {"scale2": pytest.approx(1.15, abs=0.01)}
+
+
+def test_detection_limits_do_not_depend_on_the_joint_whose_torque_constant_is_wrong():
+    log = scaled(noisy_log("a.csv", 1), 1.3, 1.0)
+    priors = [read_prior({"g1": {"value": g1, "sd": 0.01}}) for g1 in (BETA[3], 1.3 * BETA[3])]
+    first = [problem_of_logs(log, prior=prior).first for prior in priors]
+    assert [log.faults[0].name for log in first] == ["scale1", "scale2"]
+    assert first[0].hidden["zero2"] == pytest.approx(first[1].hidden["zero2"], rel=0.01)
+
+
+def test_a_noisy_log_counts_less_and_one_with_an_idle_joint_as_much_as_its_other_joint_is_good():
+    def weights(*logs):
+        problem = problem_of_logs(*logs)
+        parts = np.split(problem.moving.tau, [problem.logs[0].moving.t.size], 1)
+        pairs = zip(parts, problem.logs, strict=True)
+        return [np.abs(part).max() / np.abs(log.moving.tau).max() for part, log in pairs]
+
+    good, noisy = weights(noisy_log("a.csv", 0), noisy_log("n.csv", 1, noise=2.0))
+    assert good > 5 * noisy
+    assert weights(noisy_log("a.csv", 0), loaded(resting(1, 0.3)))[1] == pytest.approx(1.0)
+
+
+def test_a_noisy_log_does_not_hide_the_rotor():
+    def with_rotor(name, seed, noise):
+        log = noisy_log(name, seed, noise=noise)
+        _, _, (_, ddq) = motion(log.log.t + 3.0 * seed)
+        return replace(log, log=replace(log.log, tau=log.log.tau + np.stack([0.0 * ddq, 0.1 * BETA[2] * ddq])))
+
+    (term,) = problem_of_logs(with_rotor("a.csv", 0, 0.02), with_rotor("n.csv", 1, 1.0)).first.taken
+    assert (term.name, term.value) == ("rotor2", pytest.approx(0.1 * BETA[2], rel=0.1))
+
+
+def test_a_log_is_not_predicted_from_one_that_does_not_determine_it():
+    def one_joint(joint, name):
+        log = log_from(lambda t: tuple(x * (np.arange(2) == joint)[:, np.newaxis] for x in motion(t)), seconds=8.0)
+        return loaded(replace(log, name=name, tau=log.tau + 0.02 * np.random.default_rng(joint).normal(size=(2, 1))))
+
+    result, _ = solved(problem_of_logs(one_joint(0, "first.csv"), one_joint(1, "second.csv")))
+    assert not any("disagrees" in line for line in result.warnings)
+    assert [score.log for score in result.best.halves] == ["second half", "first half"]
