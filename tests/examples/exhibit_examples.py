@@ -23,11 +23,11 @@ from repro.exhibits import catalogue, declare
 from repro.exhibits.many_arms import RANKS
 from repro.exhibits.print_compatible import guesses
 from repro.exhibits.schematics import words
-from repro.experiments.factorial import effects
-from repro.experiments.interpretations import VARIANTS, ablation_figure
 from repro.experiments.stored_networks import architecture
 from repro.model.parameters import NAMES
-from repro.study import analysis
+from repro_studies import analysis
+from repro_studies.factorial import effects
+from repro_studies.interpretations import VARIANTS, ablation_figure
 
 REFERENCE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "tables"
 #: Methods with a network of our training, of the paper's, and of the paper's ranges, too.

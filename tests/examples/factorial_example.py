@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pandas as pd
 
-from repro.experiments.factorial import COLUMNS
+from repro_studies.factorial import COLUMNS
 
 #: Levels of each factor, the high one last.
 LEVELS = {
@@ -47,7 +47,7 @@ def factorial_scores():
 
 
 def factorial_references():
-    """Rows as `repro.experiments.factorial.score_references` writes them."""
+    """Rows as `repro_studies.factorial.score_references` writes them."""
     rows = [
         {"reader": reader, "metric": metric, "experiment": experiment, "id": value + shift}
         for reader, value in (("ordinary", 0.9), ("bounded", 0.85), ("true", 0.95))

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pandas as pd
 
-from repro.study.design import KEYS, RANKS
+from repro_studies.design import KEYS, RANKS
 
 
 def outcomes(gain, arms=12, seed=4):

@@ -7,7 +7,7 @@ import pytest
 from factorial_example import MAIN, PAIRS, READER, READER_PAIRS, factorial_scores
 from scipy import stats
 
-from repro.experiments.factorial import effects, interval
+from repro_studies.factorial import effects, interval
 
 NAMES = tuple(MAIN)
 

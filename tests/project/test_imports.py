@@ -18,12 +18,12 @@ WITH_NETWORK = {
     "repro.experiments.networks",
     "repro.experiments.coverage",
     "repro.experiments.guesses",
-    "repro.study.readers",
+    "repro_studies.methods",
 }
 SCRIPTS = (ROOT / "workflow" / "scripts").glob("*.py")
 #: What the Snakefile and the command line load.
 LOADED = ("job", "provenance", "experiment", "factorial", "interpretations", "stored_networks")
-OUTSIDE_JOBS = ("repro.cli", "repro.study.design", *(f"repro.experiments.{name}" for name in LOADED))
+OUTSIDE_JOBS = ("repro.cli", "repro_studies.design", *(f"repro.experiments.{name}" for name in LOADED))
 
 
 def test_what_runs_no_network_loads_no_torch():

@@ -23,11 +23,11 @@ from snakemake.api import ConfigSettings, DAGSettings, OutputSettings, ResourceS
 from snakemake.cli import main
 
 from repro.exhibits import catalogue
-from repro.experiments.factorial import CELLS
 from repro.paper.ledger import compute
 from repro.paper.our_values import Results
 from repro.paper.published import load_published
 from repro.signals.programs import PROGRAMS
+from repro_studies.factorial import CELLS
 
 pytestmark = pytest.mark.slow
 
@@ -279,7 +279,7 @@ def of_a_job(rule, value):
 def described(rule):
     """A rule in lines: files, parameters without values of the configuration, resources."""
     digests = " ".join(str(of_a_job(rule, value)) for value in rule.params)
-    trainers = [name for name in ("repro.cnn.train", "repro.cnn.plain") if f"{name}:train" in digests]
+    trainers = [name for name in ("repro.cnn.train", "repro_studies.plain") if f"{name}:train" in digests]
     yield f"rule {rule.name}: {Path(rule.script).name}; {rule.message}; priority {rule.priority}; trains by {trainers}"
     if rule.name in rule.workflow._localrules:
         yield "  no job of a cluster"
@@ -325,7 +325,7 @@ def test_each_job_depends_on_its_code_and_on_sections_of_the_configuration(worki
 
 @pytest.mark.parametrize(("reader", "other"), [("plain", "cnn"), ("cnn", "plain")])
 def test_a_network_of_the_factorial_depends_on_its_own_training(rules, reader, other):
-    trainers = {"plain": "repro.cnn.plain:train", "cnn": "repro.cnn.train:train"}
+    trainers = {"plain": "repro_studies.plain:train", "cnn": "repro.cnn.train:train"}
     cell = next(name for name, cell in CELLS.items() if cell.reader == reader)
     digests = rules["train_factorial"].params.code(SimpleNamespace(cell=cell))
     assert trainers[reader] in digests

@@ -8,7 +8,7 @@ rule ablation_train:
         mem_mb=3000,
         runtime=90,
     params:
-        *call("repro.experiments.networks:train_variant"),
+        *call("repro_studies.ablation:train_variant"),
         checkpoint=f"{R}/ablation/.{{trained}}.checkpoint.safetensors",
         config=sections(*TRAINED, "networks", "algorithm1", "board", "experiment"),
     message:
@@ -24,7 +24,7 @@ rule ablation_run:
     output:
         f"{R}/ablation/readings/{{reading}}.json",
     params:
-        *call("repro.experiments.networks:run_variant"),
+        *call("repro_studies.ablation:run_variant"),
         config=sections(*USED, *ARM, "networks", "numeric", "ablation"),
     message:
         "Headline numbers under the reading {wildcards.reading}"

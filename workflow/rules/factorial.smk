@@ -1,5 +1,5 @@
 # Modules that train its networks, by what reads the torque.
-READERS = {"plain": "repro.cnn.plain", "cnn": "repro.cnn.train"}
+READERS = {"plain": "repro_studies.plain", "cnn": "repro.cnn.train"}
 
 
 rule train_factorial:
@@ -12,7 +12,7 @@ rule train_factorial:
         mem_mb=3000,
         runtime=90,
     params:
-        "repro.experiments.networks:train_cell",
+        "repro_studies.factorial_networks:train_cell",
         code=lambda wildcards: " ".join(training_code(READERS[CELLS[wildcards.cell].reader])),
         checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
@@ -32,7 +32,7 @@ rule score_factorial:
     resources:
         runtime=60,
     params:
-        *call("repro.experiments.networks:score_cell"),
+        *call("repro_studies.factorial_networks:score_cell"),
         config=FACTORIAL_SECTIONS,
     message:
         "Searching with {wildcards.cell}, seed {wildcards.seed}, guesses {wildcards.search}"
@@ -46,7 +46,7 @@ rule score_factorial_references:
     output:
         f"{R}/factorial/references.csv",
     params:
-        *call("repro.experiments.factorial:score_references"),
+        *call("repro_studies.factorial:score_references"),
         config=FACTORIAL_SECTIONS,
     message:
         "Least squares on the blocks of the factorial"

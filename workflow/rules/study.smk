@@ -11,7 +11,7 @@ rule study_arms:
     resources:
         runtime=15,
     params:
-        *call("repro.study.readers:make_arms"),
+        *call("repro_studies.methods:make_arms"),
         config={**sections(*ARM, *TRAINED), "study": STUDY_ARMS},
     message:
         "Choosing motions and arms of the study, and simulating arms to train on"
@@ -29,7 +29,7 @@ rule study_train:
         mem_mb=3000,
         runtime=90,
     params:
-        *call("repro.study.readers:train_reader"),
+        *call("repro_studies.methods:train_reader"),
         checkpoint=f"{R}/study/{{excitation}}-{{law}}/.{{network}}.checkpoint.safetensors",
         config={**sections(*TRAINED, "arm", "board"), "study": STUDY_TRAINED},
     message:
@@ -49,7 +49,7 @@ rule study_cells:
         mem_mb=4000,
         runtime=120,
     params:
-        *call("repro.study.readers:run_job"),
+        *call("repro_studies.methods:run_job"),
         config=sections(*ARM, *USED, "study"),
     message:
         "Identifying the arms of {wildcards.job}"

@@ -16,7 +16,7 @@ rule train:
         mem_mb=3000,
         runtime=90,
     params:
-        "repro.experiments.networks:train_network",
+        "repro.experiments.training:train_network",
         # The training alone: nobody wants it again for a change around it.
         *training_code("repro.cnn.train"),
         config=training_sections,

@@ -1,5 +1,7 @@
 """Every table and figure as its module declares it: those of the paper in its order, then ours."""
 
+from importlib.metadata import entry_points
+
 from repro.comparison import Tolerances, measured_spread
 from repro.exhibits import (
     arm_experiment,
@@ -10,16 +12,18 @@ from repro.exhibits import (
     paper_audit,
     print_compatible,
     schematics,
-    study_results,
-    variants,
+    time_factors,
 )
 from repro.exhibits.declare import Exhibit, Kind
 
 MODULES = (  # ours in this order
-    schematics, network_training, numeric_tests, causes, many_arms, arm_experiment, variants, study_results,
-    print_compatible, paper_audit
+    schematics, network_training, numeric_tests, causes, many_arms, arm_experiment, time_factors, print_compatible,
+    paper_audit
 )  # fmt: skip
-_DECLARED = [value for module in MODULES for value in vars(module).values() if isinstance(value, Exhibit)]
+#: Packages that add exhibits name one whose `MODULES` declare them, as an entry point of this group.
+GROUP = "repro.exhibits"
+_FURTHER = [module for entry in sorted(entry_points(group=GROUP)) for module in entry.load().MODULES]
+_DECLARED = [value for module in (*MODULES, *_FURTHER) for value in vars(module).values() if isinstance(value, Exhibit)]
 #: Has a section of its own in the report.
 (AUDIT,) = (exhibit for exhibit in _DECLARED if exhibit.category == "Claims")
 

@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-PACKAGE = Path(__file__).resolve().parents[1]
+#: The packages whose code counts.
+PACKAGES = tuple(Path(__file__).resolve().parents[2] / name for name in ("repro", "repro_studies"))
 #: Of a module's statements that define nothing.
 REST = ""
 
@@ -27,10 +28,10 @@ class Module:
 
 
 class CodeDigests:
-    """Digests of the package's code."""
+    """Digests of the packages' code."""
 
-    def __init__(self, package: Path = PACKAGE) -> None:
-        self._package = package
+    def __init__(self, *packages: Path) -> None:
+        self._packages = {package.name: package for package in packages or PACKAGES}
         self._modules: dict[str, Module] = {}
 
     def of_script(self, script: Path, *names: str) -> list[str]:
@@ -88,11 +89,11 @@ class CodeDigests:
         return [(module, name) for name in self._module(module).definitions]
 
     def _path(self, name: str) -> Path | None:
-        """File of a module of the package, and nothing for any other name."""
+        """File of a module of the packages, and nothing for any other name."""
         top, *rest = name.split(".")
-        if top != self._package.name:
+        if top not in self._packages:
             return None
-        path = self._package.joinpath(*rest)
+        path = self._packages[top].joinpath(*rest)
         return next((file for file in (path.with_suffix(".py"), path / "__init__.py") if file.is_file()), None)
 
     def _module(self, name: str) -> Module:

@@ -23,7 +23,7 @@ from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
 from repro.signals.validation_motions import random_motion
 from repro.streams import Stream, stream
-from repro.study.design import FACTORS, TRAINED_ON, Cell
+from repro_studies.design import FACTORS, TRAINED_ON, Cell
 
 #: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
 NARROW = 1.5

@@ -15,8 +15,8 @@ from repro.exhibits.declare import Inputs, figure, table
 from repro.exhibits.result_tables import percent_interval
 from repro.experiments.monte_carlo import EQUIVALENT
 from repro.files import read_csv
-from repro.study import analysis
-from repro.study.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
+from repro_studies import analysis
+from repro_studies.design import ALGORITHM1, FLOW, KEYS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
 
 _table, _figure = (
     partial(kind, category="Ablation", inputs=("study",), trained="all", optional=True) for kind in (table, figure)

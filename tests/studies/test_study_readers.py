@@ -8,16 +8,16 @@ import pytest
 from experiment_example import CAPTURES, MOTIONS, changed, full_config
 from scipy import stats
 
-from repro.cnn.plain import PlainNetwork, save_posterior
 from repro.cnn.priors import ListedPrior
 from repro.experiments.arm import Recording, read_recordings, true_parameters
 from repro.files import read_tensors, write_tensors
 from repro.identification.algorithm1.preprocessing import PreparedSignals
 from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
-from repro.study.arms import Specimen, draw_law, excitation_program
-from repro.study.design import ALGORITHM1, RANKS
-from repro.study.readers import Readers, Reading, make_arms, run_job, train_reader
+from repro_studies.arms import Specimen, draw_law, excitation_program
+from repro_studies.design import ALGORITHM1, RANKS
+from repro_studies.methods import Readers, Reading, make_arms, run_job, train_reader
+from repro_studies.plain import PlainNetwork, save_posterior
 
 CONFIG, N = full_config(), 9
 
@@ -106,9 +106,9 @@ def test_generalised_least_squares_and_the_posterior_learn_from_the_same_torques
         [],
     )
     ideal = [Recording(program, program.q, np.zeros_like(program.q))] * 5
-    monkeypatch.setattr("repro.study.readers.record", Mock(return_value=ideal))
-    monkeypatch.setattr("repro.study.readers.choose", Mock())
-    monkeypatch.setattr("repro.study.readers.read_choice", Mock(return_value=(program, {"law/narrow": law})))
+    monkeypatch.setattr("repro_studies.methods.record", Mock(return_value=ideal))
+    monkeypatch.setattr("repro_studies.methods.choose", Mock())
+    monkeypatch.setattr("repro_studies.methods.read_choice", Mock(return_value=(program, {"law/narrow": law})))
     for ripple, noise, delay in ((0.0, 0.02, 0.0), (0.0, 0.002, 0.01), (0.5, 0.0, 0.0)):
         effects = {"stribeck": 0.0, "ripple": ripple, "noise": noise, "delay_s": delay}
         study = {"excitations": ["eq10"], "priors": ["narrow"], "training_arms": 5, "unmodelled": effects}
@@ -128,8 +128,8 @@ def test_networks_of_algorithm_1_learn_the_listed_arms_with_the_seed_of_the_stud
     training, config, rng = tmp_path / "training.safetensors", changed(CONFIG, study={"seed": 7}), np.random.default_rng
     arms = draw_law("narrow", rng(3), 50, config)
     write_tensors(training, {f"ideal/{name}": np.zeros((2, 100, N)) for name in ("torque", "model")} | {"arms": arms})
-    monkeypatch.setattr("repro.study.readers.train", train := Mock(return_value=(None, None)))
-    monkeypatch.setattr("repro.study.readers.save_network", Mock())
+    monkeypatch.setattr("repro_studies.methods.train", train := Mock(return_value=(None, None)))
+    monkeypatch.setattr("repro_studies.methods.save_network", Mock())
     train_reader(ALGORITHM1, "eq10", "narrow", training, tmp_path, str(tmp_path / "none"), config)
     _, data, _, settings, *_ = train.call_args.args
     found = data.prior(rng(4), 2000)
@@ -144,7 +144,7 @@ def test_a_claim_is_judged_in_the_unit_of_the_prior_with_random_numbers_of_its_o
     found, arm = Mock(**{"read.return_value": [], "judge.return_value": {}}), true_parameters(CONFIG)
     made = found, [Specimen(1, {"arm": 0}, arm, recordings)]
     for name, value in zip(("Readers", "specimens"), made, strict=True):
-        monkeypatch.setattr(f"repro.study.readers.{name}", Mock(return_value=value))
+        monkeypatch.setattr(f"repro_studies.methods.{name}", Mock(return_value=value))
     run_job("eq10-narrow-0", None, None, [], CONFIG)
     *_, unit, rng = found.judge.call_args.args
     assert unit == np.abs(dct2sub(recordings[0].regression(CONFIG.signals).tau, 100)).max()

@@ -8,7 +8,7 @@ import pandas as pd
 
 from repro.experiments.monte_carlo import EQUIVALENT, FAMILY_LEVEL, OPEN, conclude, interval
 from repro.model.parameters import Array
-from repro.study.design import ALGORITHM1, FACTORS, FLOW, KEYS, NETWORKS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
+from repro_studies.design import ALGORITHM1, FACTORS, FLOW, KEYS, NETWORKS, POSTERIOR, RANKS, TRACKED, TRAINED_ON
 
 #: Pairs of methods that are compared in every cell, first minus second.
 PAIRS = (

@@ -17,7 +17,6 @@ from scipy.special import ndtr
 from repro.board.frames import RADIANS_PER_COUNT
 from repro.cnn.dataset import DataSettings, SampledMotion, UnmodelledColumns, UnmodelledSettings, draw_torques
 from repro.cnn.network import save_network
-from repro.cnn.plain import Flow, PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
 from repro.cnn.priors import ListedPrior
 from repro.cnn.train import train
 from repro.config.model import Configuration
@@ -37,8 +36,9 @@ from repro.model.parameters import FEASIBILITY, Array
 from repro.progress import Progress, over
 from repro.signals.dct import SignalSettings
 from repro.streams import Stream, stream
-from repro.study.arms import Effects, choose, excitation_config, prior_stream, read_choice, record, specimens
-from repro.study.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs, trained
+from repro_studies.arms import Effects, choose, excitation_config, prior_stream, read_choice, record, specimens
+from repro_studies.design import ALGORITHM1, FLOW, POSTERIOR, RANKS, TRACKED, jobs, trained
+from repro_studies.plain import Flow, PlainNetwork, load_posterior, read_torque, save_posterior, train_posterior
 
 #: Networks that are searched with, and the motion of line 18: the measured one as listed, or the one that was sent.
 SEARCHED: dict[str, ImageMotion] = {ALGORITHM1: "measured", TRACKED: "desired"}

@@ -9,7 +9,7 @@ import pytest
 from repro.config.check import load_config
 from repro.exhibits import study_results
 from repro.exhibits.declare import Exhibit
-from repro.study.design import FACTORS, jobs
+from repro_studies.design import FACTORS, jobs
 
 REFERENCE = Path(__file__).resolve().parents[2] / "docs/reference"
 CONFIG = load_config(REFERENCE / "config.yaml")

@@ -7,8 +7,8 @@ from scipy import stats
 from study_example import outcomes
 
 from repro.experiments.monte_carlo import EQUIVALENT, OPEN
-from repro.study import analysis
-from repro.study.design import RANKS
+from repro_studies import analysis
+from repro_studies.design import RANKS
 
 
 def test_each_pair_is_compared_in_each_cell_and_a_square_of_the_map_is_over_its_frictions():

@@ -8,9 +8,9 @@ import torch
 from scipy.stats import multivariate_normal, norm
 
 from repro.cnn.dataset import DataSettings, draw_torques, sample_motion
-from repro.cnn.plain import Flow, PlainNetwork, PlainSettings, load_posterior, save_posterior, train_posterior
 from repro.signals.dct import SignalSettings
 from repro.signals.trajectories import identification_trajectory
+from repro_studies.plain import Flow, PlainNetwork, PlainSettings, load_posterior, save_posterior, train_posterior
 
 SIGNALS = SignalSettings(sampling_period_s=0.02, image_samples=30)
 SAMPLED = sample_motion(identification_trajectory(SIGNALS.duration_s, SIGNALS.sampling_period_s), SIGNALS)

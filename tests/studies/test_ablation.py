@@ -10,14 +10,14 @@ from experiment_example import CAPTURES, MOTIONS, changed, full_config
 from repro.cnn.architecture import HISTORY_COLUMNS
 from repro.config.check import check_config
 from repro.config.sections import of_network, plain
-from repro.experiments import interpretations
 from repro.experiments.arm import read_recordings, true_parameters
-from repro.experiments.interpretations import HEADLINES, VARIANTS, configuration_of, network_files
-from repro.experiments.networks import run_variant, train_variant
 from repro.experiments.stored_networks import configuration_digest
 from repro.files import read_csv
 from repro.model.dynamics import rebuild_torque
 from repro.signals.metric import metr2ev
+from repro_studies import interpretations
+from repro_studies.ablation import run_variant, train_variant
+from repro_studies.interpretations import HEADLINES, VARIANTS, configuration_of, network_files
 
 CONFIG = full_config()
 TINY = changed(

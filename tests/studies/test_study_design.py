@@ -18,8 +18,8 @@ from repro.model.dynamics import regressor
 from repro.signals.metric import TorqueScorer
 from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream
-from repro.study.arms import Effects, choose, draw_law, excitation_program, read_choice, specimens, with_friction
-from repro.study.design import FACTORS, Cell, cells, jobs
+from repro_studies.arms import Effects, choose, draw_law, excitation_program, read_choice, specimens, with_friction
+from repro_studies.design import FACTORS, Cell, cells, jobs
 
 CONFIG = full_config()
 
@@ -101,7 +101,7 @@ def test_an_arm_has_the_same_effects_whatever_motion_it_is_identified_by(tmp_pat
     motions = {f"motion/{name}": program.q for name, program in programs.items()}
     proper = {f"proper/{name}": np.array([program.n1, program.n2]) for name, program in programs.items()}
     write_tensors(choice, {"arms/narrow": arms, **motions, **proper})
-    monkeypatch.setattr("repro.study.arms.run_loop", perfect_loop)
+    monkeypatch.setattr("repro_studies.arms.run_loop", perfect_loop)
     levels = ((0.97, 2.0), (0.9, 1.0))
     by = {
         name: specimens(CONFIG, [Cell(name, level, "narrow", friction, False) for level, friction in levels], choice)
@@ -122,7 +122,7 @@ def test_an_arm_has_the_same_effects_whatever_motion_it_is_identified_by(tmp_pat
 
 def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path, monkeypatch):
     """The random motion of 4 s asks too much torque of every drawn arm; numbers of a motion or prior are its own."""
-    monkeypatch.setattr("repro.study.arms.stream", used := Mock(side_effect=stream))
+    monkeypatch.setattr("repro_studies.arms.stream", used := Mock(side_effect=stream))
     study = {"excitations": ["optimal", "random"], "priors": ["narrow"], "arms": 2}
     config = changed(CONFIG, signals={"duration_s": 4.0}, experiment={"t1": {"range_of": "motion"}}, study=study)
     message = refused(choose, config, tmp_path / "arms.safetensors")

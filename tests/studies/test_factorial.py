@@ -9,12 +9,9 @@ from accepted_example import write_accepted
 from experiment_example import changed, short_config
 
 from repro.cnn.network import load_network
-from repro.cnn.plain import PlainNetwork, load_posterior, read_torque
 from repro.config.sections import data_settings, search_settings
 from repro.experiments.accepted import of_this_unit, read_accepted
-from repro.experiments.factorial import CELLS, COLUMNS, configured, score_references
 from repro.experiments.identifications import mean_torque, mean_training_torque, prepare_recording
-from repro.experiments.networks import score_cell, search_under, train_cell
 from repro.experiments.stored_networks import configuration_digest
 from repro.files import write_csv
 from repro.identification.algorithm1.search import ResidualEstimator, SearchSettings, search, select
@@ -22,6 +19,9 @@ from repro.identification.regression import solve
 from repro.model.dynamics import rebuild_torque
 from repro.signals.metric import TIME_FORMULAS, MetricSettings, metr2ev
 from repro.streams import Stream, stream
+from repro_studies.factorial import CELLS, COLUMNS, configured, score_references
+from repro_studies.factorial_networks import score_cell, search_under, train_cell
+from repro_studies.plain import PlainNetwork, load_posterior, read_torque
 
 pytestmark = pytest.mark.slow
 

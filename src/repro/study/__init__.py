@@ -1,1 +1,0 @@
-"""Where a learned method pays: simulated experiments over motion, unmodelled torque, prior and friction."""

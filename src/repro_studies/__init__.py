@@ -1,0 +1,1 @@
+"""Questions beyond the paper's tables: learned methods in many conditions, causes crossed, other interpretations."""
