@@ -18,12 +18,16 @@ WITH_NETWORK = {
     "repro.experiments.networks",
     "repro.experiments.coverage",
     "repro.experiments.guesses",
+    "repro.experiments.training",
+    "repro_studies.ablation",
+    "repro_studies.factorial_networks",
     "repro_studies.methods",
 }
 SCRIPTS = (ROOT / "workflow" / "scripts").glob("*.py")
 #: What the Snakefile and the command line load.
-LOADED = ("job", "provenance", "experiment", "factorial", "interpretations", "stored_networks")
-OUTSIDE_JOBS = ("repro.cli", "repro_studies.design", *(f"repro.experiments.{name}" for name in LOADED))
+STUDIES = (f"repro_studies.{name}" for name in ("design", "factorial", "interpretations"))
+EXPERIMENTS = (f"repro.experiments.{name}" for name in ("job", "record", "arm", "stored_networks"))
+OUTSIDE_JOBS = ("repro.cli", *STUDIES, *EXPERIMENTS)
 
 
 def test_what_runs_no_network_loads_no_torch():

@@ -7,14 +7,14 @@ import pandas as pd
 import pytest
 
 from repro.config.check import load_config
-from repro.exhibits import study_results
 from repro.exhibits.declare import Exhibit
 from repro_studies.design import FACTORS, jobs
+from repro_studies.exhibits import study
 
 REFERENCE = Path(__file__).resolve().parents[2] / "docs/reference"
 CONFIG = load_config(REFERENCE / "config.yaml")
 OUTCOMES = [REFERENCE / f"study/cells/{job}.csv" for job in jobs(CONFIG)]
-EXHIBITS = [value for value in vars(study_results).values() if isinstance(value, Exhibit)]
+EXHIBITS = [value for value in vars(study).values() if isinstance(value, Exhibit)]
 
 
 @pytest.mark.parametrize("exhibit", EXHIBITS, ids=lambda exhibit: exhibit.target)
