@@ -26,7 +26,7 @@ A_LEVEL = 2e-3
 @pytest.fixture(scope="module", params=list(examples.FIGURES))
 def figure(request):
     """Each figure, drawn once, at the resolution of its PNG."""
-    made = examples.made(request.param, examples.FRAMES[request.param]())
+    made = examples.made(request.param, examples.figure_numbers(request.param))
     made.set_dpi(style.PNG_DPI)
     with style.house_style():
         FigureCanvasAgg(made).draw()
@@ -43,9 +43,9 @@ def test_figures_look_as_they_did(figure, image_regression):
 # Two of them, one for each width: they share one style, and CI compares all figures of two runs of the workflow.
 @pytest.mark.parametrize(("name", "width"), [("fig10", 1050), ("fig20", 2148)])
 def test_files_of_figures_are_whole_and_the_same_under_any_settings(name, width, tmp_path):
-    pdf, png = examples.drawn(tmp_path, name, examples.FRAMES[name]())
+    pdf, png = examples.drawn(tmp_path, name, examples.figure_numbers(name))
     with mpl.rc_context({"font.size": 20.0, "axes.edgecolor": "red", "savefig.transparent": True}):
-        assert examples.drawn(tmp_path, name, examples.FRAMES[name]()) == (pdf, png)
+        assert examples.drawn(tmp_path, name, examples.figure_numbers(name)) == (pdf, png)
         assert mpl.rcParams["axes.edgecolor"] == "red"
     assert pdf.startswith(b"%PDF") and b"CreationDate" not in pdf
     size = struct.unpack(">II", png[16:24])
@@ -61,7 +61,7 @@ def test_words_are_whole_large_and_apart_and_say_what_is_simulated(figure):
     texts = examples.shown_texts(figure)
     assert len(texts) > 4
     words = " ".join(text.get_text() for text, _ in texts).lower()
-    assert ("simulated" in words) == (figure.get_label() in examples.SIMULATED)
+    assert ("simulated" in words) == examples.EXHIBITS["figure", figure.get_label()].simulated
     for text, box in texts:
         assert text.get_fontsize() >= 7.0, text.get_text()
         assert (box.min >= 0).all() and (box.max <= figure.bbox.max).all(), text.get_text()

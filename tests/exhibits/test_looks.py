@@ -5,11 +5,13 @@ import re
 
 import numpy as np
 import pytest
-from exhibit_examples import FRAMES, RIVALS, made
+from exhibit_examples import figure_numbers, made
 from matplotlib.colors import to_rgb
+from study_example import outcomes
 
 from repro.drawing import style
 from repro.identification.method import TABLE_METHODS
+from repro_studies import analysis
 
 
 def lightness(name):
@@ -24,18 +26,19 @@ def test_pairs_that_meet_differ_in_greyscale():
 
 
 def test_spectrum_says_what_it_leaves_out():
-    frame = FRAMES["fig14"]()
+    frame = figure_numbers("fig14")
     left_out = re.search(r"Not shown: ([\d.]+) to ([\d.]+) Hz", made("fig14", frame).get_supxlabel())
     assert float(left_out[2]) == pytest.approx(frame["x"].max(), rel=1e-2)
     beyond = frame[frame["x"] > float(left_out[1]) * 1.01]
     largest = frame["y"].abs().groupby(frame["panel"]).max()
     assert (beyond["y"].abs() < 0.05 * beyond["panel"].map(largest)).all()
-    assert made("fig17", FRAMES["fig17"]()).get_supxlabel() == ""
+    assert made("fig17", figure_numbers("fig17")).get_supxlabel() == ""
 
 
 def test_methods_differ_in_lightness_line_and_mark():
     assert tuple(style.METHODS) == TABLE_METHODS
-    for one, other in itertools.combinations(("measured", *RIVALS), 2):
+    rivals = ("algorithm1", "algorithm1+refinement", "least-squares", "true")
+    for one, other in itertools.combinations(("measured", *rivals), 2):
         assert abs(lightness(one) - lightness(other)) > 0.15, (one, other)
         assert style.STROKES[one]["linestyle"] != style.STROKES[other]["linestyle"] or "measured" in (one, other)
     looks = {(s["color"], str(s["linestyle"])) for s in (style.STROKES[method] for method in style.METHODS)}
@@ -44,7 +47,7 @@ def test_methods_differ_in_lightness_line_and_mark():
 
 
 def test_rows_of_the_map_are_those_of_their_labels():
-    whole = FRAMES["study"]()
+    whole = analysis.maps(outcomes({"wide": -0.07, "narrow": 0.03}))
     missing = (whole["method"] == "algorithm1") & (whole["prior"] == "wide") & (whole["excitation"] == "eq10")
     frame = whole[~missing][::-1]
     panels = made("study", frame).axes[:3]

@@ -5,14 +5,14 @@ import re
 
 import numpy as np
 import pytest
-from exhibit_examples import FRAMES, drawn, made
+from exhibit_examples import drawn, figure_numbers, made
 from experiment_example import refused
 
 from repro.exhibits.schematics import layout_of, words
 
 
 def links(name):
-    frame = FRAMES[name]()
+    frame = figure_numbers(name)
     return frame[frame["element"] == "link"]
 
 
@@ -38,15 +38,15 @@ def test_arrows_of_the_table_run_from_edge_to_edge_and_through_no_box(name):
 
 
 def test_arm_shows_every_symbol_in_the_drawing_and_in_the_key():
-    figure = made("fig01", FRAMES["fig01"]())
+    figure = made("fig01", figure_numbers("fig01"))
     words = [text.get_text() for text in figure.axes[0].texts]
-    for symbol in FRAMES["fig01"]()["symbol"]:
+    for symbol in figure_numbers("fig01")["symbol"]:
         name, index = re.fullmatch(r"([a-zA-Z]+?)(c?\d?)", symbol).groups()
         tex = rf"\${'.tau' if name == 'tau' else name}(_\{{{index}\}})?\s*\$"
         found = [word for word in words if re.search(tex, word)]
         assert len(found) == 2, symbol
     used = {"m1", "lc1", "J1", "m2", "l1", "lc2", "J2", "g", "b1", "b2", "k1", "k2"}  # by the last lines of Eq. 1
-    assert used <= set(FRAMES["fig01"]()["symbol"])
+    assert used <= set(figure_numbers("fig01")["symbol"])
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_method_runs_through_its_nine_steps_and_back():
 
 
 def test_a_label_too_long_for_its_box_is_refused(tmp_path):
-    frame = FRAMES["fig02"]()
+    frame = figure_numbers("fig02")
     frame.loc[9, "label"] = "word " * 40
     assert re.search(r"fig02\.csv.*lines of words", refused(drawn, tmp_path, "fig02", frame))
 

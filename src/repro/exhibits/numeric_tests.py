@@ -258,7 +258,8 @@ def fig17(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 #: Methods of the two exhibits below, with their networks.
 _RECIPES = {"algorithm1": "published"} | {f"algorithm1+{n}": n for n in ("paper-recipe", "paper-recipe-ranges")}
 _table, _figure = (
-    partial(kind, category="Ablation", label="The paper's training", optional=True) for kind in (table, figure)
+    partial(kind, category=category, label="The paper's training", optional=True)
+    for kind, category in ((table, "Ablation"), (figure, "Model"))
 )
 
 
