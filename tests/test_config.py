@@ -145,7 +145,8 @@ def at(config, path):
 def test_a_value_that_a_key_does_not_allow_is_one_line(monkeypatch, path, key):
     monkeypatch.setattr("repro.config.check.read_yaml", READ_ONCE)
     config = load(BASE)
-    for wrong in wrong_values(key, at(config, path)):
+    section = at(config, path[:-1])
+    for wrong in wrong_values(key, section.get(path[-1], key.get("default"))):  # a new key may be absent
         spoilt = copy.deepcopy(config)
         at(spoilt, path[:-1])[path[-1]] = wrong
         line = refusal(spoilt, BASE)

@@ -1,4 +1,5 @@
-EXHIBITS_FOLDER = HERE.parent / "src/repro/exhibits"
+# By its path from here, so that a copy of a finished run is one, too.
+EXHIBITS_FOLDER = Path(os.path.relpath(HERE.parent / "src/repro/exhibits"))
 
 # What tables and figures (src/repro/exhibits) are computed from.
 SOURCES = {

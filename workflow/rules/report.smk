@@ -1,4 +1,4 @@
-TEMPLATES = HERE.parent / "src/repro/report"
+TEMPLATES = Path(os.path.relpath(HERE.parent / "src/repro/report"))
 
 
 rule report:
