@@ -144,9 +144,9 @@ def read_yaml(path: Path, expected: str, loader: type[Loader] = Loader) -> dict[
     return content
 
 
-def read_json(path: Path) -> object:
-    """Read a JSON file within the limits of this module; see `parse_json`."""
-    data = read_bytes(path, LARGEST_JSON, "a JSON file")
+def read_json(path: Path, most: int = LARGEST_JSON) -> object:
+    """Read a JSON file of at most `most` bytes within the other limits of this module; see `parse_json`."""
+    data = read_bytes(path, most, "a JSON file")
     try:
         return parse_json(data.decode("utf-8"), str(path))
     except InputError:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from repro.experiments.record import recorded_jobs, write_costs, write_crate
+from repro.experiments.record import changed_files, recorded_jobs, write_costs, write_crate
 from repro.provenance import commit
 
 RESULTS = Path("results")
@@ -80,7 +80,8 @@ def test_a_file_that_the_workflow_no_longer_has_leaves_the_record():
 
 def test_every_file_is_there_with_its_hash_and_size():
     found = files(record()[1])
-    of_the_run = {"results/logs/provenance.json", "results/workflow/Snakefile", "config/config.yaml"}
+    of_the_run = {"results/logs/provenance.json", "results/workflow/Snakefile", "results/workflow/rules/x.smk"}
+    of_the_run |= {"config/config.yaml"}
     assert found.keys() == {"data/ID.bin", *RECORDED, *DRAWN, "results/claims.csv", *of_the_run}
     for name, entity in found.items():
         content = Path(name).read_bytes()
@@ -144,3 +145,40 @@ def test_the_commit_is_that_of_the_checkout_and_says_if_files_changed(tmp_path):
     assert commit(tmp_path) == git("rev-parse", "HEAD")
     write("config/config.yaml", "results: elsewhere")
     assert commit(tmp_path) == git("rev-parse", "HEAD") + "-dirty"
+
+
+#: A file of a run, what happens to it, and what is said of it.
+TAMPERINGS = {
+    "a capture": ("results/experiment/ID.bin", "x", "SHA-256: found"),
+    "a file whose name is long": (LONG, "x", "SHA-256: found"),
+    "a table": ("results/tables/table10.csv", "x", "SHA-256: found"),
+    "a figure": ("paper_figures/t.png", "x", "SHA-256: found"),
+    "an input": ("data/ID.bin", "x", "SHA-256: found"),
+    "the provenance": ("results/logs/provenance.json", "{}", "SHA-256: found"),
+    "the workflow": ("results/workflow/rules/x.smk", "x", "SHA-256: found"),
+    "a missing table": ("results/tables/table10.csv", None, "found no file"),
+    "a table more": ("results/tables/table11.csv", "x", "found a file"),
+    "a file more": ("results/verified.txt", "x", "found a file"),
+    "the record": ("results/ro-crate-metadata.json", "{}", "SHA-256: found"),
+    "the seal": ("results/ro-crate-metadata.sha256", "0", "SHA-256: found"),
+}
+
+
+@pytest.mark.parametrize(("file", "text", "said"), TAMPERINGS.values(), ids=TAMPERINGS)
+def test_each_change_of_a_finished_run_is_named(file, text, said):
+    record()
+    write("results/logs/table10.log", "a log is no result")
+    assert changed_files(RESULTS, Path()) == []
+    if text is None:
+        Path(file).unlink()
+    else:
+        write(file, text)
+    named = [line for line in changed_files(RESULTS, Path()) if line.startswith(("results/ro-crate", file))]
+    assert named and said in named[0]
+
+
+def test_a_run_without_a_record_and_another_one_within_it_are_left_alone():
+    assert changed_files(RESULTS, Path()) == []
+    record()
+    write("results/quick/claims.csv", "another run")
+    assert changed_files(RESULTS, Path()) == []

@@ -43,7 +43,7 @@ def _project_config(results: Path | None) -> Path:
 def verify(arguments: argparse.Namespace) -> int:
     """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
     from repro.config.check import load_config, read_config
-    from repro.experiments.record import changed_settings
+    from repro.experiments.record import changed_files, changed_settings
     from repro.fingerprint import compare_hosts
     from repro.paper.claims import broken, summary
     from repro.paper.ledger import verify_ledger
@@ -56,7 +56,7 @@ def verify(arguments: argparse.Namespace) -> int:
     root = Path() if folder == Path.cwd() else folder
     results = arguments.results or root / config.results
     claims, problems = verify_ledger(results, config, root)
-    problems += changed_settings(results, read_config(*files), root)
+    problems += [*changed_settings(results, read_config(*files), root), *changed_files(results, root)]
     print(compare_hosts(recorded_fingerprint(results)))
     for line in summary(claims) if claims is not None else []:
         print(line)

@@ -13,14 +13,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 import pandas as pd
 import yaml
 
 from repro.comparison import LEDGER
 from repro.documents import read_json, read_yaml
-from repro.files import write_csv, write_json
+from repro.files import write_csv, write_json, write_text
 from repro.provenance import git
 
 #: Targets that `all` does not make: what they made is kept from their own run if another one has none.
@@ -150,7 +150,9 @@ def _cost(jobs: Mapping[str, Job], target: str) -> tuple[float, ...]:
     return len(found), sum(wall) / 60, sum(cpu) / 60, max(memory), size / 1e6
 
 
-RECORD = "ro-crate-metadata.json"
+RECORD, SEAL = "ro-crate-metadata.json", "ro-crate-metadata.sha256"
+#: Begin of the names of files of the project in the record, and the largest record that is read, bytes.
+OF_THE_PROJECT, LARGEST_RECORD = "arcp://name,repro/", 64 << 20
 LICENCE = "https://creativecommons.org/licenses/by/4.0/"
 #: What the record says, in words of schema.org and a few of others.
 SCHEMA = """
@@ -183,6 +185,37 @@ def write_crate(results: Path, workflow: Path, configs: Iterable[Path], jobs: Ma
         shutil.copytree(workflow, copy, ignore=shutil.ignore_patterns("__pycache__"))
         graph = _graph(results, copy / "Snakefile", set(configs), list(jobs.values()))
         write_json(results / RECORD, {"@context": CONTEXT, "@graph": graph})
+        write_text(results / SEAL, f"{_digest(results / RECORD)}  {RECORD}\n")
+
+
+def changed_files(results: Path, root: Path) -> list[str]:
+    """List files of a run that are not as its record has them: changed, missing, or next to its own without being its.
+
+    Of the files of the project that the run read, those that are still there. Whoever changes a file and writes record
+    and seal again is not seen: only another run of the same commit shows that.
+    """
+    record, seal = results / RECORD, results / SEAL
+    if not record.exists():
+        return []
+    found = seal.read_text(encoding="utf-8", errors="replace").split(" ")[0] if seal.exists() else "no such file"
+    problems = [] if found == _digest(record) else [f"{record}: SHA-256: found {_digest(record)}, {seal} has {found}"]
+    content: Any = read_json(record, LARGEST_RECORD)
+    graph = content.get("@graph", []) if isinstance(content, dict) else []
+    listed = {str(each["@id"]): str(each["sha256"]) for each in graph if isinstance(each, dict) and "sha256" in each}
+    own = set()
+    for key, digest in listed.items():
+        ours = not key.startswith((OF_THE_PROJECT, "file:"))
+        path = results / unquote(key) if ours else root / unquote(key.removeprefix(OF_THE_PROJECT))
+        own |= {path} if ours else set()
+        now = _digest(path) if path.is_file() else ""
+        if now and now != digest:
+            problems.append(f"{path}: SHA-256: found {now}, {record} has {digest}")
+        elif ours and not now:
+            problems.append(f"{path}: found no file, {record} has one")
+    folders = {path.parent for path in own} - {results / "logs"}
+    there = {path for folder in folders | {results} for path in folder.glob("*") if path.is_file()}
+    unknown = there - own - {record, seal, results / "README.md"}
+    return sorted(problems) + [f"{path}: found a file, {record} has none" for path in sorted(unknown)]
 
 
 def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) -> list[Entity]:
@@ -191,7 +224,8 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
     commit, packages = provenance["commit"], provenance["packages"]
     produced = {path for job in jobs for path in job.outputs}
     given = {path for job in jobs for path in job.inputs} - produced | configs
-    files = {path: _file(path, results) for path in sorted(produced | given | {snakefile, sidecar})}
+    copied = set(filter(Path.is_file, snakefile.parent.rglob("*")))
+    files = {path: _file(path, results) for path in sorted(produced | given | copied | {sidecar})}
     programs = [_entity(f"#package-{name}", "SoftwareApplication", name, version=v) for name, v in packages.items()]
     rules = [_entity(f"#rule-{rule}", "SoftwareApplication", rule, version=commit) for rule in {j.rule for j in jobs}]
     files[snakefile] |= {"@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"], "version": commit}
@@ -243,9 +277,12 @@ def _file(path: Path, results: Path) -> Entity:
     """A file by the name that the project knows it by."""
     absolute, crate, project = (Path(os.path.abspath(p)) for p in (path, results, ""))  # noqa: PTH100 - links stay
     name = absolute.relative_to(project).as_posix() if absolute.is_relative_to(project) else None
-    key = absolute.as_uri() if name is None else f"arcp://name,repro/{quote(name)}"
+    key = absolute.as_uri() if name is None else f"{OF_THE_PROJECT}{quote(name)}"
     if absolute.is_relative_to(crate):
         key = quote(absolute.relative_to(crate).as_posix())
+    return _entity(key, "File", name or str(path), contentSize=str(path.stat().st_size), sha256=_digest(path))
+
+
+def _digest(path: Path) -> str:
     with path.open("rb") as content:
-        digest = hashlib.file_digest(content, "sha256").hexdigest()
-    return _entity(key, "File", name or str(path), contentSize=str(path.stat().st_size), sha256=digest)
+        return hashlib.file_digest(content, "sha256").hexdigest()
