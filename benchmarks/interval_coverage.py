@@ -87,7 +87,7 @@ def rows_of(generator: str, kind: str, count: int, name: str) -> Iterator[dict[s
     method, options, logs = METHODS[name], Options((name,), Path("unused")), GENERATORS[generator][0]
     for k, (beta, log) in enumerate(logs(kind, count)):
         problem = make_problem((LoadedLog(log, Description(log.name, ())),), (), Arm(), options)
-        fitted, r = fit(method, problem, 1, False, lambda *_: None), problem.moving
+        fitted, r = fit(method, problem, 1, False, lambda *_: None), problem.without_standstill
         length, rng = block_length(r.tau - r.y @ fitted.estimate.beta, r.h), np.random.default_rng((SEED, k))
         drawn = (r.take(resample(r.t.size, length, rng)) for _ in range(REPLICATES))
         plain = Z * np.std([method.repeat(replicate, fitted.estimate) for replicate in drawn], axis=0, ddof=1)

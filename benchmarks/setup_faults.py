@@ -1,4 +1,4 @@
-"""Faults of the set-up put into logs of an arm: how many are named, by a log alone and beside the others.
+"""Calibration errors put into logs of an arm: how many are named, by a log alone and beside the others.
 
 Usage: ``.venv/bin/python benchmarks/setup_faults.py LOG LOG ...``, logs of one arm as their owners made them. Each is
 spoilt in sixteen ways; the others stay as they are.
@@ -38,7 +38,7 @@ OPTIONS = Options(("ordinary",), Path("unused"))
 
 
 def spoilt(told: LoadedLog, wrong: dict[str, float]) -> tuple[LoadedLog, dict[str, float]]:
-    """The log with faults in it, and their sizes in rad, N m and s."""
+    """The log with calibration errors in it, and their sizes in rad, N m and s."""
     log, largest = told.log, np.abs(told.log.tau).max(axis=-1)
     sizes = {name: x * largest[int(name[-1]) - 1] if name.startswith("offset") else x for name, x in wrong.items()}
     # `corrected` undone: opposite zeros, and the scale before the offset.
@@ -52,8 +52,8 @@ def spoilt(told: LoadedLog, wrong: dict[str, float]) -> tuple[LoadedLog, dict[st
 def found(logs: list[LoadedLog]) -> tuple[dict[str, float], dict[str, float]]:
     """Faults of the first log with its delay, and what it can hardly tell them from."""
     first = make_problem(logs, (), Arm(), OPTIONS).logs[0]
-    named = {fault.name: fault.value for fault in first.faults} | {"delay": first.settings.delay}
-    return named, {name: x for fault in first.faults for name, x in fault.instead.items()}
+    named = {error.name: error.value for error in first.calibration_errors} | {"delay": first.settings.delay}
+    return named, {name: x for error in first.calibration_errors for name, x in error.instead.items()}
 
 
 def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) -> tuple[str, str, bool, bool]:

@@ -256,6 +256,15 @@ def test_a_run_does_not_write_into_folders_of_the_project(name):
         assert refusal(load(BASE) | {key: name}, BASE)["field"] == key
 
 
+def test_an_environment_in_a_folder_with_a_blank_is_refused_before_any_job(monkeypatch, capsys):
+    monkeypatch.setattr("sys.executable", "/home/my user's/.venv/bin/python")
+    with pytest.raises(SystemExit) as stop:
+        accept_config(load(BASE), [BASE])
+    assert stop.value.code == 2 and capsys.readouterr().err.startswith(
+        "/home/my user's/.venv/bin/python: found a blank"
+    )
+
+
 @pytest.mark.parametrize("place", ["top", "arms"])
 def test_a_key_that_is_not_text_is_refused_in_one_line(place):
     config = load(BASE)

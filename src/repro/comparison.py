@@ -21,14 +21,14 @@ from pathlib import Path
 from repro.errors import InputError
 from repro.files import read_rows
 
-#: Ten digits are written, so numbers a hair apart may be printed one unit of the tenth apart: 1e-9 of them at most.
-#: Least squares is the worst that is computed: rounding (1.1e-16) times the square of the regressor's condition number
-#: (11 on ID, 18 on the slow run) is 4e-14 of its estimates. One digit of room.
+#: Files have ten digits, so rounding alone may change a number by 1e-9 of itself. The tolerance is ten times that. The
+#: rounding of computations is smaller. It is largest in least squares: 4e-14 of an estimate, which is 1.1e-16 times the
+#: square of the regressor's condition number (11 on ID, 18 on the slow run).
 RELATIVE = 1e-8
-#: A difference of two numbers of size 1 to 1000 carries 1e-16 to 1e-13 of rounding; the smallest printed number that
-#: is held against ours is 7e-8.
+#: The difference of two numbers of size 1 to 1000 has a rounding error of 1e-16 to 1e-13. The smallest printed number
+#: that is compared with ours is 7e-8.
 ABSOLUTE = 1e-12
-#: How far beyond the measured spread a trained number may lie: it was measured on few seeds.
+#: Factor on the measured spread of a trained number, because the spread was measured on few seeds.
 MARGIN = 2.0
 
 Row = Mapping[str, str]
@@ -42,13 +42,14 @@ class Kind(StrEnum):
     TRAINED = "trained"
 
 
-#: Columns that say where a number comes from, and how those begin that a network had a part in.
+#: Columns that name the origin of a number.
 ORIGIN = ("method", "series", "network")
-#: The control without a network is among them: one last bit changes which of two equal candidates its selection keeps.
+#: Beginnings of the origins that depend on a network. The ablation without the network is one of them, because a last
+#: bit changes which of two equal candidates its selection keeps.
 TRAINED_ORIGINS = ("algorithm1", "differential-evolution", "rebuilt")
 #: The ledger of published numbers.
 LEDGER = "claims"
-#: Columns of a trained row that are exact all the same: they say how much was done, or what the paper prints.
+#: Columns of a trained row that do not depend on the network: counts, and values that the paper prints.
 COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level"})
 PRINTED = frozenset({"true", "published"})
 
@@ -69,9 +70,9 @@ NAMES_OF_ROWS = {"case", "method", "opponent", "joint", "parameter", "id", "targ
 class Tolerances:
     """Which results depend on a network, and how far networks of other seeds and processors differ in them."""
 
-    folders: tuple[str, ...] = ()  # of results all of whose floats depend on a network: how their tables' names begin
-    tables: frozenset[str] = frozenset()  # all of whose floats depend on a network, without a column that says so
-    targets: frozenset[str] = frozenset()  # claims about these depend on a network, unless they are of least squares
+    folders: tuple[str, ...] = ()  # beginnings of the names of tables whose floats all depend on a network
+    tables: frozenset[str] = frozenset()  # names of further tables whose floats all depend on a network
+    targets: frozenset[str] = frozenset()  # claims about these depend on a network, except those of least squares
     widest: Mapping[tuple[str, str, str], float] = field(default_factory=dict)  # by table, origin and column
 
     def kind(self, table: str, row: Row, column: str) -> Kind:
@@ -149,7 +150,8 @@ def _judge(
     numbers = [number for number in map(_number, (row[column], other)) if number is not None]
     if len(numbers) == 1 and math.isfinite(numbers[0]):
         return kind, math.inf, 0.0
-    if len(numbers) < 2:  # words that follow from trained numbers of their row may differ with them, names may not
+    # A text cell may change only if a number of its row changed, and never if it names the row.
+    if len(numbers) < 2:
         exact = kind is Kind.COMPUTED or column in NAMES_OF_ROWS or not moved
         return (Kind.EXACT, math.inf, 0.0) if exact else (kind, math.inf, math.nan)
     a, b = numbers
@@ -162,11 +164,11 @@ def _judge(
     return kind, abs(a - b), allowed
 
 
-#: What is compared byte by byte: recordings and what was sent for them.
+#: Files that are compared byte by byte: recordings and their programs.
 BYTES = ("experiment/*.bin", "experiment/*.program")
-#: How a run went, not what it found.
+#: Folders that are not compared, because they describe the run and not its results.
 LEFT_OUT = ("benchmarks", "logs")
-#: How many files are named that one folder alone has.
+#: Most files that are named of those that only one folder has.
 SHOWN = 5
 
 
@@ -176,7 +178,7 @@ class Compared:
 
     name: str  # path in the results folder
     cells: int  # cells, or bytes, that were compared
-    found: tuple[Difference, ...]  # all that is not the same text
+    found: tuple[Difference, ...]  # every cell whose text differs
 
     def largest(self) -> list[Difference]:
         """The difference of each class that lies furthest towards or beyond what is allowed."""

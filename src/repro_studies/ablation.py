@@ -18,22 +18,22 @@ from repro.experiments.identifications import (
 from repro.experiments.networks import algorithm1_of, for_the_arm
 from repro.experiments.stored_networks import configuration_digest
 from repro.experiments.training import train_and_keep
-from repro_studies.interpretations import MEASURED, VARIANTS, configuration_of
+from repro_studies.interpretations import INTERPRETATIONS, MEASURED, configuration_of
 
 
 def train_variant(
     trained: str, weights: Path, history: Path, tracked: Path, checkpoint: str, config: Configuration
 ) -> None:
-    """Write weights and history of a network that no table has."""
-    reading = VARIANTS[trained]
-    label, c = f"{reading.question}: {reading.name}", configuration_of(config, reading)
+    """Train the network of an interpretation; write its weights and history."""
+    interpretation = INTERPRETATIONS[trained]
+    label, c = f"{interpretation.question}: {interpretation.name}", configuration_of(config, interpretation)
     train_and_keep(label, weights, history, checkpoint, c, tracked)
 
 
 def run_variant(reading: str, weights: Path, captures: Sequence[Path], config: Configuration) -> dict[str, float]:
-    """Headline numbers under a reading: medians of the seeds, of which one is refined on the arm."""
-    # Every reading is refined, whatever its network is used for elsewhere.
-    c = configuration_of(config, VARIANTS[reading]).model_copy(update={"refinement": config.refinement})
+    """Headline numbers under an interpretation: medians of the seeds, of which the first is refined on the arm."""
+    # Every interpretation is refined, whatever its network is used for elsewhere.
+    c = configuration_of(config, INTERPRETATIONS[reading]).model_copy(update={"refinement": config.refinement})
     signals, metric, seeds = c.signals, c.metric, c.ablation.seeds
     tau_mean = mean_training_torque(signals, data_settings(c), c.training.seed)
     algorithm1 = algorithm1_of("published", weights, c, configuration_digest(c))

@@ -23,7 +23,7 @@ from repro.signals.metric import TorqueScorer
 from repro.signals.programs import VALIDATION, ReferenceTrajectory
 from repro.signals.validation_motions import random_motion
 from repro.streams import Stream, stream
-from repro_studies.design import FACTORS, TRAINED_ON, Cell
+from repro_studies.design import FACTORS, TRAINED_ON, StudyCell
 
 #: A narrow prior: each parameter of the stored arm, times or divided by up to this factor.
 NARROW = 1.5
@@ -193,7 +193,7 @@ class Specimen:
     recordings: Sequence[Recording]  # of ID, then of T1 to T4
 
 
-def specimens(config: Configuration, cells: Sequence[Cell], choice: Path) -> list[Specimen]:
+def specimens(config: Configuration, cells: Sequence[StudyCell], choice: Path) -> list[Specimen]:
     """Record the arms of a prior in cells of one excitation.
 
     Effects are drawn once for each arm. In each cell one amplitude of all of them is found for each arm, so that

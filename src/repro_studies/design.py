@@ -20,7 +20,7 @@ RANKS = tuple(f"u_{name}" for name in NAMES)
 
 
 @dataclass(frozen=True)
-class Cell:
+class StudyCell:
     """One combination of the factors."""
 
     excitation: str
@@ -30,7 +30,7 @@ class Cell:
     searched: bool  # whether Algorithm 1 is run, too
 
 
-def cells(config: Configuration) -> list[Cell]:
+def cells(config: Configuration) -> list[StudyCell]:
     """All cells in order; Algorithm 1 is run in one of `cnn_fraction` of them.
 
     By default these are a Youden square for each prior: motion and discrepancy meet every friction once, each other in
@@ -40,14 +40,14 @@ def cells(config: Configuration) -> list[Cell]:
     factors = [enumerate(getattr(s, name)) for name in ("excitations", "discrepancies", "priors", "frictions")]
     numbered = [zip(*each, strict=True) for each in product(*factors)]
     return [
-        Cell(**dict(zip(FACTORS, levels, strict=True)), searched=sum(numbers) % s.cnn_fraction == 0)
+        StudyCell(**dict(zip(FACTORS, levels, strict=True)), searched=sum(numbers) % s.cnn_fraction == 0)
         for numbers, levels in numbered
     ]
 
 
-def jobs(config: Configuration) -> dict[str, list[Cell]]:
+def jobs(config: Configuration) -> dict[str, list[StudyCell]]:
     """Cells by the name of their job: those of one excitation and one prior need the same networks."""
-    groups: dict[str, list[Cell]] = {}
+    groups: dict[str, list[StudyCell]] = {}
     for cell in cells(config):
         groups.setdefault(f"{cell.excitation}-{cell.prior}", []).append(cell)
     size = config.study.cells_per_job

@@ -16,7 +16,7 @@ import pandas as pd
 from repro.config.model import Configuration
 from repro.config.sections import changed
 from repro.experiments.accepted import of_this_unit, read_accepted
-from repro.experiments.monte_carlo import Scores
+from repro.experiments.monte_carlo import ArmScores
 from repro.identification.algorithm1.search import ImageMotion
 from repro.identification.least_squares import METHODS
 from repro.model.parameters import Array
@@ -24,8 +24,8 @@ from repro.signals.metric import TIME_FORMULAS, MetricSettings
 
 
 @dataclass(frozen=True)
-class Cell:
-    """What one network of the factorial is trained for."""
+class FactorialCell:
+    """Levels of the factors that one network of the factorial is trained for."""
 
     reader: str  # "cnn" or "plain"
     motions: str  # "ideal": Eq. 10; "tracked": closed-loop motions
@@ -33,16 +33,16 @@ class Cell:
 
 
 #: Networks by name. One trained on Eq. 10 alone serves both motions of line 18, which are equal there.
-CELLS: dict[str, Cell] = {
-    "cnn-ideal": Cell("cnn", "ideal", ("measured", "desired")),
-    "cnn-tracked-measured": Cell("cnn", "tracked", ("measured",)),
-    "cnn-tracked-desired": Cell("cnn", "tracked", ("desired",)),
-    "plain-ideal": Cell("plain", "ideal", ()),
-    "plain-tracked": Cell("plain", "tracked", ()),
+CELLS: dict[str, FactorialCell] = {
+    "cnn-ideal": FactorialCell("cnn", "ideal", ("measured", "desired")),
+    "cnn-tracked-measured": FactorialCell("cnn", "tracked", ("measured",)),
+    "cnn-tracked-desired": FactorialCell("cnn", "tracked", ("desired",)),
+    "plain-ideal": FactorialCell("plain", "ideal", ()),
+    "plain-tracked": FactorialCell("plain", "tracked", ()),
 }
 
 
-def configured(config: Configuration, cell: Cell, seed: int) -> Configuration:
+def configured(config: Configuration, cell: FactorialCell, seed: int) -> Configuration:
     """Configuration that a network of the factorial is trained with."""
     data: dict[str, Any] = {"motions": cell.motions}
     if cell.reader == "plain":
@@ -64,7 +64,7 @@ def score_references(experiments: Path, recordings: Path, config: Configuration)
     """Least squares, bounded least squares and the true parameters on every block."""
     rows = []
     for block in of_this_unit(read_accepted(experiments, recordings, config), config):
-        scores = Scores(block.recordings, config)
+        scores = ArmScores(block.recordings, config)
         estimates = {name: METHODS[name].estimate(scores.regressions[0]).beta for name in ("ordinary", "bounded")}
         for (reader, beta), metric in product([*estimates.items(), ("true", block.true)], METRICS):
             rows.append(

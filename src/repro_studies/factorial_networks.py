@@ -13,7 +13,7 @@ from repro.experiments.identifications import (
     prepare_recording,
     read_mean_torque,
 )
-from repro.experiments.monte_carlo import Scores
+from repro.experiments.monte_carlo import ArmScores
 from repro.experiments.networks import algorithm1_of, for_the_arm, with_limit
 from repro.experiments.simulated_arms import training_motion
 from repro.experiments.stored_networks import configuration_digest
@@ -43,16 +43,16 @@ def train_cell(
 
 
 def search_under(
-    reader: ResidualEstimator, prepared: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
+    estimator: ResidualEstimator, prepared: PreparedSignals, settings: SearchSettings, rng: np.random.Generator
 ) -> tuple[dict[str, tuple[Array, int]], Array]:
-    """`search` and `select` of Algorithm 1 under both metrics from one reading of all guesses, and the first estimates.
+    """`search` and `select` of Algorithm 1 under both metrics from one evaluation of all guesses, and first estimates.
 
     An execution's guesses do not depend on the metric, only where it ends, so that the rest is left out afterwards.
     For each metric the parameters and the number of executions that met the threshold.
     """
     count, limit = settings.executions, settings.inner_limit
     guesses = np.stack([s.uniform(settings.guess_low, settings.guess_high, (limit, 9)) for s in rng.spawn(count)])
-    beta = reader.estimate(guesses.reshape(-1, 9)).reshape(count, limit, 9)
+    beta = estimator.estimate(guesses.reshape(-1, 9)).reshape(count, limit, 9)
     possible = FEASIBILITY[settings.feasibility](beta.reshape(-1, 9)).reshape(count, limit)
     results: dict[str, tuple[Array, int]] = {}
     for name, metric in METRICS.items():
@@ -87,16 +87,16 @@ def score_cell(
         algorithm1 = with_limit(for_the_arm(of_cell, c), f.inner_limit)
     common = {"reader": levels.reader, "training": levels.motions, "training_seed": seed, "search_seed": search}
     for block in over(blocks, f"{cell}, seed {seed}, guesses {search}"):
-        scores = Scores(block.recordings, c)
+        scores = ArmScores(block.recordings, c)
         for image_motion in levels.image_motions or ("measured",):
             prepared = prepare_recording(block.recordings[0], tau_mean, signals, image_motion)
             if levels.reader == "plain":
                 first = read_torque(plain, prepared.alpha)[0]
                 found = dict.fromkeys(METRICS, (prepared.torque_scale * first, 0))
             else:
-                reader = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
+                estimator = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)
                 rng = stream(search, Stream.FACTORIAL_SEARCH, block.number)
-                found, first = search_under(reader, prepared, algorithm1.search, rng)
+                found, first = search_under(estimator, prepared, algorithm1.search, rng)
             error = float(np.sqrt(np.mean((first - block.true / prepared.torque_scale) ** 2)))
             own = {**common, "experiment": block.number, "error": error}
             own["image_motion"] = image_motion if levels.image_motions else ""

@@ -1,7 +1,8 @@
-"""Readers of the study: what each method makes of a recording, what it claims to know, and how good both are.
+"""Each method of the study: its estimate, its interval, and the errors of both.
 
-Three kinds see the same simulations: Algorithm 1, whose network reads image and guess; an amortised posterior, whose
-network reads the torque alone; and least squares. A reader of an excitation and a prior is trained once.
+There are three kinds of method, and all use the same simulations: Algorithm 1, whose network has image and guess as
+inputs; an amortised posterior, whose network has the torque alone as input; and least squares. Each network is trained
+once for an excitation and a prior.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,7 +24,7 @@ from repro.config.model import Configuration
 from repro.config.sections import data_settings
 from repro.experiments.arm import Recording
 from repro.experiments.identifications import prepare_recording
-from repro.experiments.monte_carlo import Scores
+from repro.experiments.monte_carlo import ArmScores
 from repro.experiments.networks import algorithm1_of, for_the_arm
 from repro.experiments.simulated_arms import run_loop, sampled_tracks
 from repro.files import read_tensors, write_tensors
@@ -53,14 +54,14 @@ def _data(config: Configuration, arms: Array, unmodelled: bool) -> DataSettings:
 
 
 def make_arms(choice: Path, training: Sequence[Path], config: Configuration) -> None:
-    """Choose motions and arms of the study; for each motion and law simulate the arms that readers learn from."""
+    """Choose motions and arms of the study; for each motion and law simulate the training arms."""
     choose(config, choice)
     for (excitation, law), out in zip(trained(config), training, strict=True):
         _simulate_training(excitation, law, choice, out, config)
 
 
 def _simulate_training(excitation: str, law: str, choice: Path, out: Path, config: Configuration) -> None:
-    """Simulate the arms that readers of an excitation and a law learn from; keep what training needs of them."""
+    """Simulate the training arms of an excitation and a law; write the arrays that the training needs."""
     c, s = excitation_config(config, excitation), config.study
     program, chosen = read_choice(choice, config, excitation)
     signals, n, proper = c.signals, s.training_arms, slice(program.n1, program.n2)
@@ -70,10 +71,10 @@ def _simulate_training(excitation: str, law: str, choice: Path, out: Path, confi
     effects = Effects.drawn(rng, beta).times(rng.uniform(0.0, 3.0, n))
     recordings = record(c, beta, [program] * n, effects, f"arms to train on, {excitation}, {law}")
     largest = config.data.tracked.largest_error_rad
-    tracks = [one.q for one in recordings if np.abs(one.q - program.q)[:, proper].max() <= largest]
+    tracks = [recording.q for recording in recordings if np.abs(recording.q - program.q)[:, proper].max() <= largest]
     ideal = sampled_tracks([program.q], program, signals)
     tracked = sampled_tracks(tracks, program, signals, unmodelled=True, desired=True)
-    # What the posterior learns from: least squares weights by its torque errors, and knows its parameters.
+    # The posterior learns from these samples. Generalised least squares has their error covariance and their prior.
     torque, draws, which = draw_torques(rng, 4000, tracked, _data(config, arms, unmodelled=True))
     error = (torque - np.einsum("njmp,np->njm", tracked.torque[which], draws)).reshape(len(draws), -1)
     error /= np.sqrt(np.mean(error**2, axis=1, keepdims=True))
@@ -114,8 +115,8 @@ def train_reader(
 
 
 @dataclass(frozen=True)
-class Reading:
-    """What a method makes of one recording, and what it claims to know: a covariance, or samples, or nothing."""
+class MethodEstimate:
+    """Estimate of a method from one recording, and its claimed distribution: a covariance, samples, or none."""
 
     method: str
     beta: Array  # (9,), SI
@@ -123,8 +124,8 @@ class Reading:
     samples: Array | None = None  # (n, 9)
 
 
-class Readers:
-    """All readers of one excitation and one prior."""
+class Methods:
+    """All methods for one excitation and one prior."""
 
     def __init__(
         self, training: Path, weights: dict[str, Path], config: Configuration, signals: SignalSettings
@@ -139,34 +140,34 @@ class Readers:
         chosen = [name for name in SEARCHED if name in weights]
         self._cnn = {name: for_the_arm(algorithm1_of(name, weights[name], config), config) for name in chosen}
 
-    def read(self, recording: Recording, searched: bool, rng: np.random.Generator) -> Iterator[Reading]:
-        """Read one recording by every method; Algorithm 1 only where it is to be searched."""
+    def estimate(self, recording: Recording, searched: bool, rng: np.random.Generator) -> Iterator[MethodEstimate]:
+        """Identify one recording by every method, by Algorithm 1 only if `searched`."""
         prepared = prepare_recording(recording, None, self._signals)
         unit = prepared.torque_scale
         yield from _least_squares(prepared.regression)
         yield from self._generalised(prepared)
         if self._plain is not None:
             mean, factor = read_torque(self._plain, prepared.alpha)
-            yield Reading(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
+            yield MethodEstimate(POSTERIOR, unit * mean, unit**2 * linalg.inv(factor @ factor.T))
         if searched:
             for name in self._cnn:
                 yield self._searched(name, prepare_recording(recording, None, self._signals, SEARCHED[name]), rng)
         if self._flow is not None:
             normal = stream(self._seed, Stream.STUDY_FLOW).standard_normal((1000, 9))
             samples = unit * self._flow.sample(prepared.alpha, normal)
-            yield Reading(FLOW, samples.mean(axis=0), samples=samples)
+            yield MethodEstimate(FLOW, samples.mean(axis=0), samples=samples)
 
-    def judge(self, found: Reading, true: Array, unit: float, rng: np.random.Generator) -> dict[str, float]:
-        """Compare a claim with the truth; `unit` is the torque scale of the prior.
+    def judge(self, claim: MethodEstimate, true: Array, unit: float, rng: np.random.Generator) -> dict[str, float]:
+        """Compare a claimed distribution with the truth; `unit` is the torque scale of the prior.
 
         The mean share of the prior's variance that the claim removes; the share of its draws nearer to a random point
         than the truth (TARP, Lemos and others 2023); the probability that it gives to values below each parameter.
         """
-        spread, samples = unit * np.sqrt(np.diag(self._prior[1])), found.samples
-        if found.covariance is not None:
-            deviation = np.sqrt(np.diag(found.covariance))
-            below = ndtr((true - found.beta) / deviation)
-            samples = rng.multivariate_normal(found.beta, found.covariance, 200, method="cholesky")
+        spread, samples = unit * np.sqrt(np.diag(self._prior[1])), claim.samples
+        if claim.covariance is not None:
+            deviation = np.sqrt(np.diag(claim.covariance))
+            below = ndtr((true - claim.beta) / deviation)
+            samples = rng.multivariate_normal(claim.beta, claim.covariance, 200, method="cholesky")
         elif samples is not None:
             deviation, below = samples.std(axis=0), (samples < true).mean(axis=0)
         else:
@@ -177,58 +178,59 @@ class Readers:
         contraction = float(np.mean(1.0 - (deviation / spread) ** 2))
         return {"contraction": contraction, "nearer": nearer, **dict(zip(RANKS, below.tolist(), strict=True))}
 
-    def _generalised(self, prepared: PreparedSignals) -> Iterator[Reading]:
+    def _generalised(self, prepared: PreparedSignals) -> Iterator[MethodEstimate]:
         """Least squares weighted by the covariance of the simulated torque errors, without and with the prior."""
         y = linalg.solve_triangular(self._factor, prepared.y_sub.reshape(-1, 9), lower=True)
         tau = linalg.solve_triangular(self._factor, prepared.alpha.reshape(-1), lower=True)
         beta = linalg.lstsq(y, tau)[0]
         variance = float(np.sum((tau - y @ beta) ** 2)) / (len(tau) - len(beta))
         information, unit = y.T @ y / variance, prepared.torque_scale
-        yield Reading("generalised", unit * beta, unit**2 * linalg.inv(information))
+        yield MethodEstimate("generalised", unit * beta, unit**2 * linalg.inv(information))
         mean, precision = self._prior[0], linalg.inv(self._prior[1])
         covariance = linalg.inv(information + precision)
         beta = covariance @ (y.T @ tau / variance + precision @ mean)
-        yield Reading("generalised+prior", unit * beta, unit**2 * covariance)
+        yield MethodEstimate("generalised+prior", unit * beta, unit**2 * covariance)
 
-    def _searched(self, name: str, prepared: PreparedSignals, rng: np.random.Generator) -> Reading:
+    def _searched(self, name: str, prepared: PreparedSignals, rng: np.random.Generator) -> MethodEstimate:
         """Algorithm 1, and the spread of its network's estimates from the first guess of each execution."""
         network, settings = self._cnn[name], self._cnn[name].search
-        reader = ResidualEstimator(network.network, network.image, prepared)
+        estimator = ResidualEstimator(network.network, network.image, prepared)
         guesses = rng.uniform(settings.guess_low, settings.guess_high, (settings.executions, 9))
-        spread = prepared.torque_scale * reader.estimate(guesses)
-        found = select(search(reader, prepared, settings, rng).beta, prepared, settings)
-        return Reading(name, found.beta, samples=spread)
+        spread = prepared.torque_scale * estimator.estimate(guesses)
+        selected = select(search(estimator, prepared, settings, rng).beta, prepared, settings)
+        return MethodEstimate(name, selected.beta, samples=spread)
 
 
-def _least_squares(regression: Regression) -> Iterator[Reading]:
+def _least_squares(regression: Regression) -> Iterator[MethodEstimate]:
     """Methods without simulations; the plain one with the interval of correlated errors."""
     beta = METHODS["ordinary"].estimate(regression).beta
     y, error = regression.y.reshape(-1, 9), regression.tau - regression.y @ beta
     rows = max(2.0 * correlation_time(error, regression.h) / regression.h - 1.0, 1.0)
     covariance = linalg.pinv(y.T @ y) * (rows * mean_variance(regression, beta))
-    yield Reading("ordinary", beta, np.asarray(covariance, dtype=np.float64))
+    yield MethodEstimate("ordinary", beta, np.asarray(covariance, dtype=np.float64))
     for name in ("robust", "bounded", "consistent"):
-        yield Reading(name, METHODS[name].estimate(regression).beta)
+        yield MethodEstimate(name, METHODS[name].estimate(regression).beta)
 
 
 def run_job(job: str, choice: Path, training: Path, weights: Sequence[Path], config: Configuration) -> pd.DataFrame:
     """Record the arms of a job's cells, and identify each by every method."""
-    own, rows, estimates = jobs(config)[job], [], list[tuple[Recording, Array, bool]]()
-    c = excitation_config(config, own[0].excitation)
-    readers = Readers(training, {path.stem: path for path in weights}, config, c.signals)
-    recorded = specimens(config, own, choice)
-    for k, one in enumerate(over(recorded, f"identifying {len(recorded)} runs")):
-        rng = prior_stream(config, Stream.STUDY_SEARCH, own[0].prior, one.labels["arm"])
-        scores = Scores(one.recordings, c)
-        unit = prepare_recording(one.recordings[0], None, c.signals).torque_scale
-        searched = own[k * len(own) // len(recorded)].searched
-        for reading in (Reading("true", one.true), *readers.read(one.recordings[0], searched, rng)):
-            beta, row = reading.beta, {**one.labels, "method": reading.method}
+    cells, rows, estimates = jobs(config)[job], [], list[tuple[Recording, Array, bool]]()
+    c = excitation_config(config, cells[0].excitation)
+    methods = Methods(training, {path.stem: path for path in weights}, config, c.signals)
+    arms = specimens(config, cells, choice)
+    for k, arm in enumerate(over(arms, f"identifying {len(arms)} runs")):
+        rng = prior_stream(config, Stream.STUDY_SEARCH, cells[0].prior, arm.labels["arm"])
+        scores = ArmScores(arm.recordings, c)
+        unit = prepare_recording(arm.recordings[0], None, c.signals).torque_scale
+        searched = cells[k * len(cells) // len(arms)].searched
+        true = MethodEstimate("true", arm.true)
+        for estimate in (true, *methods.estimate(arm.recordings[0], searched, rng)):
+            beta, row = estimate.beta, {**arm.labels, "method": estimate.method}
             row |= scores(beta, c.metric)
             row["torque_error"] = float(np.mean([relative_rms(r, beta) for r in scores.regressions[1:]]))
-            row["parameter_error"] = float(np.sqrt(np.mean((beta - one.true) ** 2))) / unit
-            rows.append({**row, **readers.judge(reading, one.true, unit, rng)})
-            estimates.append((one.recordings[1], beta, searched))
+            row["parameter_error"] = float(np.sqrt(np.mean((beta - arm.true) ** 2))) / unit
+            rows.append({**row, **methods.judge(estimate, arm.true, unit, rng)})
+            estimates.append((arm.recordings[1], beta, searched))
     return pd.DataFrame(rows).assign(position_error=_position_errors(estimates, config)).round(5)
 
 

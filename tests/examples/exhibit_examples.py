@@ -13,7 +13,7 @@ from matplotlib.transforms import Bbox
 
 from repro.drawing import style
 from repro.exhibits import catalogue, declare
-from repro_studies.interpretations import VARIANTS, ablation_figure
+from repro_studies.interpretations import INTERPRETATIONS, ablation_figure
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = ROOT / "docs/reference/tables"
@@ -34,7 +34,7 @@ LONG = ("audit",)
 def readings_frame() -> pd.DataFrame:
     """Numbers of each reading: one far below the others on the numeric arms, another one on the simulated arm."""
     rows = []
-    for i, reading in enumerate(VARIANTS.values()):
+    for i, reading in enumerate(INTERPRETATIONS.values()):
         numeric = (0.3012, 0.1, 0.2847) if reading.name == "rad/s" else (0.975, 0.9312, 0.968)
         arm = (0.9512, 0.4811, 0.9667) if reading.name == "SI units" else (0.953, 0.9411, 0.9667)
         arm = (0.9612, 0.9222, *arm)

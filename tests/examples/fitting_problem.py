@@ -30,14 +30,14 @@ def loaded(log):
     return LoadedLog(log, Description(log.name, (("samples", str(log.t.size)),)))
 
 
-def problem_of(regression, validation=(), moving=None, estimates_delay=True, **settings):
-    """A problem around a regression that no filter made; the arm never stands still unless `moving` says so."""
-    moving = regression if moving is None else moving
-    excited = excitation(moving)
+def problem_of(regression, validation=(), without_standstill=None, estimates_delay=True, **settings):
+    """A problem around a regression that no filter made; the arm always moves unless `without_standstill` is given."""
+    rows = regression if without_standstill is None else without_standstill
+    excited = excitation(rows)
     made_up = Cutoff(5.0, "made up", np.zeros(0), np.zeros((2, 0)), np.zeros((2, 0)), 10.0)
     log = loaded(log_of(recording(np.arange(0.0, 20.0, 0.005))))
     prepared = PreparedLog(log, log.log, regression, FilterSettings(**settings), made_up, delay_error=0.0)
-    return IdentificationProblem((prepared,), regression, moving, {}, tuple(validation), excited, estimates_delay)
+    return IdentificationProblem((prepared,), regression, rows, {}, tuple(validation), excited, estimates_delay)
 
 
 def problem_of_logs(*logs, validation=(), arm=ARM, **options):

@@ -90,7 +90,7 @@ def test_scores_of_an_experiment(accepted, prepared, tmp_path):
     assert set(table["experiment"]) == {4}
     assert table.groupby("method").size().to_dict() == {
         "algorithm1": 50,  # a seed with 3 budgets, another one with 2
-        "algorithm1+desired": 40, "algorithm1+tracked-measured": 40,
+        "algorithm1+desired": 50, "algorithm1+tracked-measured": 50,
         "least-squares": 10, "bounded": 10, "consistent": 10, "true": 10,
     }  # fmt: skip
     second = changed(config, accepted={"detailed_experiments": 1})

@@ -36,7 +36,7 @@ def arms_and_problems(count, seed, wrong):
     """True parameters of arms, their regressions without standstill, and what could be chosen otherwise.
 
     The first half follows multisines, the second the trajectory of Eq. 10. Where it is to be wrong, there is also
-    Stribeck friction and ripple, which Eq. 1 does not contain, and a set-up that is off.
+    Stribeck friction and ripple, which Eq. 1 does not contain, and an arm with calibration errors.
     """
     rng = np.random.default_rng(seed)
     arms = random_arms(count, rng)
@@ -50,13 +50,13 @@ def arms_and_problems(count, seed, wrong):
     if wrong:
         logs = [badly_set_up(log, rng) for log in logs]
     problems = [make_problem((loaded(log),), (), Arm(), Options(tuple(METHODS), "unused")) for log in logs]
-    return arms, [(problem.moving, problem.as_good) for problem in problems]
+    return arms, [(problem.without_standstill, problem.perturbations) for problem in problems]
 
 
-def intervals(method, regression, as_good):
+def intervals(method, regression, perturbations):
     """Estimate and both ends of the 95 % interval of each parameter."""
     first = method.estimate(regression)
-    spread = bootstrap(method, regression, first, as_good, stream(1, Stream.OWN_BOOTSTRAP), replicates=40)
+    spread = bootstrap(method, regression, first, perturbations, stream(1, Stream.OWN_BOOTSTRAP), replicates=40)
     return first.beta, spread.low, spread.high
 
 
@@ -75,9 +75,12 @@ def test_intervals_cover_the_truth_where_eq_1_is_right(method):
     arms, problems = arms_and_problems(12, 20, wrong=False)
     assert coverage(arms, [intervals(method, *problem) for problem in problems]) >= 0.95
     ratios = []
-    for regression, as_good in problems[:6]:  # Eq. 10 does not determine friction as well as a multisine
-        others = {name: effect for name, effect in as_good.items() if not name.startswith(CONSTANTS)}
-        spreads = [intervals(method, regression, each) for each in (as_good, others, {"filters": as_good["filters"]})]
+    for regression, perturbations in problems[:6]:  # Eq. 10 does not determine friction as well as a multisine
+        others = {name: effect for name, effect in perturbations.items() if not name.startswith(CONSTANTS)}
+        spreads = [
+            intervals(method, regression, chosen)
+            for chosen in (perturbations, others, {"filters": perturbations["filters"]})
+        ]
         whole, without, least = ((high - low)[:5] for _, low, high in spreads)
         ratios.append((whole, without) / np.maximum(least, 1e-12))
     whole, without = np.median(ratios, axis=(0, 2))

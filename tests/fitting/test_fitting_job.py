@@ -85,8 +85,8 @@ def test_one_delay_one_zero_and_the_parameters_of_all_pieces(tmp_path):
     path.write_text(text({name: [column[k] for k in keep] for name, column in table.items()}), encoding="utf-8")
     problem = problem_of_logs(load_log(path, ARM))
     result, _ = solved(problem)
-    (fault,) = problem.first.faults
-    assert (fault.name, fault.value) == ("zero1", pytest.approx(-ZERO, abs=0.005))
+    (error,) = problem.first.calibration_errors
+    assert (error.name, error.value) == ("zero1", pytest.approx(-ZERO, abs=0.005))
     assert problem.first.settings.delay == pytest.approx(DELAY, abs=1e-3)
     assert [p.estimate for p in result.best.parameters[:5]] == pytest.approx(BETA[:5], rel=0.03)
     assert max(*result.best.fit.relative_rms, *result.best.fit.position_rms) < 0.02

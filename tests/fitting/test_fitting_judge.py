@@ -170,8 +170,8 @@ def test_standstill_is_left_out_of_the_fit_and_judged():
     still[:, 100:140] = still[1, 500:530] = True
     held = replace(r, tau=r.tau + 0.3 * still)
     counts = ~still
-    moving = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, mask=counts)
-    problem = problem_of(held, moving=moving)
+    without_standstill = replace(held, y=held.y * counts[..., np.newaxis], tau=held.tau * counts, mask=counts)
+    problem = problem_of(held, without_standstill=without_standstill)
     found = fit(METHODS["ordinary"], problem, 1, True, silent)
     assert found.estimate.beta == pytest.approx(BETA, rel=1e-6)
     assert found.spread.standard_error == pytest.approx(np.zeros(9), abs=1e-6)

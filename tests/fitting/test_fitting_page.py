@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from repro.drawing import style
-from repro.fitting.figures import MOST_LOGS, figures_of
+from repro.fitting.figures import MAX_DRAWN_LOGS, figures_of
 from repro.fitting.outputs import render_page
 from repro.fitting.result import Curves, Parameter
 from repro.fitting.tables import rounded
@@ -142,5 +142,5 @@ def test_as_many_long_logs_as_are_drawn_make_a_light_page():
     assert set(figures) == {"parameters", "overlay-0", "spectra-0"}
     size = len(render_page(example_result(), curves, figures).encode())
     added = 4 / 3 * sum(len(figures[name]) for name in ("overlay-0", "spectra-0"))
-    assert size + (MOST_LOGS - 1) * added < 3e6
+    assert size + (MAX_DRAWN_LOGS - 1) * added < 3e6
     assert Image.open(io.BytesIO(figures["overlay-0"])).width == round(200 * style.PAGE)

@@ -86,7 +86,7 @@ def capture(folder):
 def test_results_pages_and_messages_are_those_kept(tmp_path, monkeypatch, caplog, file_regression, logs):
     figures = []
     monkeypatch.setattr("repro.fitting.evaluate.DRAWS", 3)
-    monkeypatch.setattr("repro.fitting.figures.MOST_LOGS", 1)
+    monkeypatch.setattr("repro.fitting.figures.MAX_DRAWN_LOGS", 1)
     monkeypatch.setattr("repro.fitting.figures._png", lambda figure: figures.append(figure) or png())
     caplog.set_level(logging.INFO, "repro")
     arm = tmp_path / "arm.yaml"

@@ -43,7 +43,7 @@ def recorded(stribeck=0.0, zero=0.0, jitter=0.0):
 
 def ordinary_self_test(problem):
     method = METHODS["ordinary"]
-    return self_test(problem, method, method.estimate(problem.moving).beta, ARM, OPTIONS, silent)
+    return self_test(problem, method, method.estimate(problem.without_standstill).beta, ARM, OPTIONS, silent)
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_stribeck_friction_is_distinguished_from_noise():
 def test_a_synthetic_log_is_recorded_as_the_real_one_was():
     original = recorded(jitter=2e-4, zero=0.08)
     (ready,) = problem_of_logs(original).logs
-    assert [fault.name for fault in ready.faults] == ["zero1"]
+    assert [error.name for error in ready.calibration_errors] == ["zero1"]
     synthetic = synthetic_log(ready, BETA, np.random.default_rng(0))
     assert synthetic.recorded.t == pytest.approx(original.recorded.t)
     assert [quantisation_step(q) for q in synthetic.recorded.q] == pytest.approx([STEP, STEP], rel=1e-3)
@@ -96,8 +96,8 @@ def test_a_synthetic_log_is_recorded_as_the_real_one_was():
     made, noise = (np.std(np.diff(one.recorded.tau, 2)[:, inside], axis=-1) for one in (synthetic, original))
     assert ((0.95 * noise < made) & (made < 1.5 * noise)).all()
     (again,) = problem_of_logs(synthetic, cutoff=ready.settings.cutoff).logs
-    assert [fault.name for fault in again.faults] == ["zero1"]
-    assert again.faults[0].value == pytest.approx(ready.faults[0].value, abs=0.005)
+    assert [error.name for error in again.calibration_errors] == ["zero1"]
+    assert again.calibration_errors[0].value == pytest.approx(ready.calibration_errors[0].value, abs=0.005)
     assert again.settings.delay == pytest.approx(ready.settings.delay, abs=1e-3)
 
 

@@ -1,4 +1,4 @@
-"""Several logs of one arm as one fit: one delay, faults of each log, and one that disagrees is named."""
+"""Several logs of one arm as one fit: one delay, calibration errors of each log, and one that disagrees is named."""
 
 from dataclasses import replace
 
@@ -37,8 +37,8 @@ def scaled(log, *factors):
     return loaded(replace(log.log, tau=log.log.tau * np.reshape(factors, (2, 1))))
 
 
-def faults_of(*logs):
-    return [{fault.name: fault.value for fault in log.faults} for log in problem_of_logs(*logs).logs]
+def calibration_errors_of(*logs):
+    return [{error.name: error.value for error in log.calibration_errors} for log in problem_of_logs(*logs).logs]
 
 
 def spread_of_runs(problem, result):
@@ -51,8 +51,8 @@ def test_logs_have_one_delay_and_one_fit_and_each_its_faults():
     result, _ = solved(problem)
     assert [log.settings.delay for log in problem.logs] == pytest.approx([0.004, 0.004], abs=5e-4)
     assert problem.logs[0].settings.delay == problem.logs[1].settings.delay
-    assert [[fault.name for fault in log.faults] for log in problem.logs] == [[], ["zero1"]]
-    assert problem.logs[1].faults[0].value == pytest.approx(-0.08, abs=0.005)
+    assert [[error.name for error in log.calibration_errors] for log in problem.logs] == [[], ["zero1"]]
+    assert problem.logs[1].calibration_errors[0].value == pytest.approx(-0.08, abs=0.005)
     other = noisy_log("c.csv", 2, delay=0.004)  # is corrected as all logs are, so not at all
     ((predicted, _),) = problem_of_logs(*logs[::-1], validation=(other,)).validation
     np.testing.assert_array_equal(predicted.log.q, other.log.q)
@@ -95,43 +95,45 @@ def test_logs_whose_delays_differ_do_not_determine_the_common_one_better_than_th
 
 def test_a_log_that_does_not_show_its_fault_is_corrected_next_to_another():
     wrong = near((1.0, -0.6), "slow.csv", noise=0.3, zero=0.15)
-    assert faults_of(wrong) == [{}]
-    assert faults_of(wrong, noisy_log("a.csv", 0)) == [{"zero2": pytest.approx(-0.15, abs=0.01)}, {}]
+    assert calibration_errors_of(wrong) == [{}]
+    assert calibration_errors_of(wrong, noisy_log("a.csv", 0)) == [{"zero2": pytest.approx(-0.15, abs=0.01)}, {}]
 
 
 def test_next_to_a_log_that_is_wrong_right_ones_are_not_blamed():
     """Each of the three would look wrong next to the other two: that which gains most is corrected first."""
     logs = near((1.0, -0.6), "a.csv", 5, 0.5), near((0.3, 0.9), "b.csv", 6, 0.4), near((1.0, 0.2), "c.csv", 7, zero=0.2)
-    assert faults_of(*logs) == [{}, {}, {"zero2": pytest.approx(-0.2, abs=0.03)}]
+    assert calibration_errors_of(*logs) == [{}, {}, {"zero2": pytest.approx(-0.2, abs=0.03)}]
 
 
 def test_a_zero_that_the_other_logs_contradict_is_not_applied():
     rippled = near((0.3, 0.9), "ripple.csv", 2, size=0.15, noise=0.02, ripple=0.15)
-    assert faults_of(rippled)[0].keys() == {"zero1"}
-    assert faults_of(rippled, noisy_log("a.csv", 3), noisy_log("b.csv", 1)) == [{}, {}, {}]
+    assert calibration_errors_of(rippled)[0].keys() == {"zero1"}
+    assert calibration_errors_of(rippled, noisy_log("a.csv", 3), noisy_log("b.csv", 1)) == [{}, {}, {}]
 
 
 def test_a_torque_constant_is_corrected_in_all_logs_or_none_and_a_poor_log_has_no_veto():
     logs = noisy_log("a.csv", 4), scaled(noisy_log("b.csv", 5), 1.0, 1.4)
-    assert all("scale2" not in faults for faults in faults_of(*logs))
+    assert all("scale2" not in errors for errors in calibration_errors_of(*logs))
     logs = noisy_log("a.csv", 0), near((0.3, 0.9), "slow.csv", noise=0.3)
-    assert faults_of(*(scaled(log, 1.0, 1.15) for log in logs))[0] == {"scale2": pytest.approx(1.15, abs=0.01)}
+    assert calibration_errors_of(*(scaled(log, 1.0, 1.15) for log in logs))[0] == {
+        "scale2": pytest.approx(1.15, abs=0.01)
+    }
 
 
 def test_detection_limits_do_not_depend_on_the_joint_whose_torque_constant_is_wrong():
     log = scaled(noisy_log("a.csv", 1), 1.3, 1.0)
     priors = [read_prior({"g1": {"value": g1, "sd": 0.01}}) for g1 in (BETA[3], 1.3 * BETA[3])]
     first = [problem_of_logs(log, prior=prior).first for prior in priors]
-    assert [log.faults[0].name for log in first] == ["scale1", "scale2"]
-    assert first[0].hidden["zero2"] == pytest.approx(first[1].hidden["zero2"], rel=0.01)
+    assert [log.calibration_errors[0].name for log in first] == ["scale1", "scale2"]
+    assert first[0].calibration_limits["zero2"] == pytest.approx(first[1].calibration_limits["zero2"], rel=0.01)
 
 
 def test_a_noisy_log_counts_less_and_one_with_an_idle_joint_as_much_as_its_other_joint_is_good():
     def weights(*logs):
         problem = problem_of_logs(*logs)
-        parts = np.split(problem.moving.tau, [problem.logs[0].moving.t.size], 1)
+        parts = np.split(problem.without_standstill.tau, [problem.logs[0].without_standstill.t.size], 1)
         pairs = zip(parts, problem.logs, strict=True)
-        return [np.abs(part).max() / np.abs(log.moving.tau).max() for part, log in pairs]
+        return [np.abs(part).max() / np.abs(log.without_standstill.tau).max() for part, log in pairs]
 
     good, noisy = weights(noisy_log("a.csv", 0), noisy_log("n.csv", 1, noise=2.0))
     assert good > 5 * noisy

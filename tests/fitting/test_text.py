@@ -75,7 +75,7 @@ def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
     assert set(lines) == {"zero", "torque_offset", "torque_scale"}
     zero, _, offset, *_ = text.calibration_lines(ERRORS, arm, False)  # have the signs of these lines
     assert f" {np.degrees(lines['zero'][0] - 0.1):.2g} +-" in zero and f" {lines['torque_offset'][0]:.3g} +-" in offset
-    expected = correct_calibration(wrong, {fault.name: fault.value for fault in ERRORS})
+    expected = correct_calibration(wrong, {error.name: error.value for error in ERRORS})
     _, right = read(lines)
     np.testing.assert_allclose(right.q, expected.q, atol=2e-4)  # four digits are printed
     np.testing.assert_allclose(right.tau, expected.tau, atol=2e-3)
@@ -84,9 +84,9 @@ def test_the_lines_of_the_arm_file_correct_a_log(tmp_path, absolute, sign):
 @pytest.mark.parametrize(("second", "apart"), [(0.052, False), (-0.05, True), (None, True)])
 def test_logs_whose_errors_no_single_arm_file_corrects_are_reported(second, apart):
     def log(zero):
-        faults = () if zero is None else (CalibrationError("zero1", zero, 0.002, 0.09, 0.05),)
+        errors = () if zero is None else (CalibrationError("zero1", zero, 0.002, 0.09, 0.05),)
         loaded = SimpleNamespace(name="a.csv", description=SimpleNamespace(warnings=()))
-        return SimpleNamespace(loaded=loaded, faults=faults, terms=())
+        return SimpleNamespace(loaded=loaded, calibration_errors=errors, terms=())
 
     assert (text.DIFFERENT_ERRORS in text.calibration_warnings([log(0.05), log(second)], Arm(), False)) == apart
 
@@ -100,6 +100,6 @@ def test_a_log_that_reads_better_otherwise_gets_no_lines_for_the_arm_file():
 
 @pytest.mark.parametrize(("degrees", "words"), [(1.0, "1 degree"), (1.1, "1.1 degrees"), (0.055, "0.055 degrees")])
 def test_one_degree_is_singular(degrees, words):
-    log, hidden = SimpleNamespace(name="a.csv"), {"zero1": np.radians(degrees)}
-    (line,) = text.detection_limits(SimpleNamespace(fitted_logs=(log,), hidden=(hidden,), more_logs=()))
+    log, limits = SimpleNamespace(name="a.csv"), {"zero1": np.radians(degrees)}
+    (line,) = text.detection_limits(SimpleNamespace(fitted_logs=(log,), calibration_limits=(limits,), more_logs=()))
     assert line.endswith(f"zero of joint 1 up to {words}")

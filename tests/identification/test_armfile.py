@@ -10,7 +10,8 @@ from experiment_example import refused
 
 from repro.identification.armfile import Arm, read_arm
 
-EVERY_KEY = """{name: pendulum, columns: {q1: a, tau2: b}, topic: /joint_states, counts_per_turn: [8400, 4096.5],
+EVERY_KEY = """
+{name: pendulum, sampling_rate: 250.0, columns: {q1: a, tau2: b}, topic: /joint_states, counts_per_turn: [8400, 4096.5],
 units: {time: ms, position: counts, velocity: rpm, torque: A}, torque_constant: [0.6, -0.5], torque_offset: [0.1, -0.2],
 torque_scale: [1, 2], sign: [1, -1], torque_sign: [-1, 1], zero: [0, -1.5708], second_joint_absolute: true,
 torque_limit: [6, 5.5], position_limit: [[-1, 2], [0.5, 1]], speed_limit: [3, 4.5], workspace: [[-0.5, 0.5], [-1, 0]],
@@ -40,7 +41,7 @@ def test_every_key_of_an_arm_file_is_read(tmp_path):
         ("colour: red\n", "colour: found an unknown key, expected one of name, columns"),
         ("self: 1\n", "self: found an unknown key, expected one of name, columns"),
         ("columns: {q3: a}\n", "columns.q3: found an unknown key, expected one of 'time', 'q1'"),
-        ("units: {position: turns}\n", "units.position: found 'turns', expected 'rad', 'deg' or 'counts'"),
+        ("units: {position: gon}\n", "units.position: found 'gon', expected 'rad', 'deg', 'counts' or 'turns'"),
         ("units: deg\n", "units: found 'deg', expected units by kind of signal"),
         ("columns: {q1: a, q2: a}\n", "columns: found {'q1': 'a', 'q2': 'a'}, expected a different column for each"),
         ("counts_per_turn: 8400\n", "counts_per_turn: found 8400, expected two numbers above 0"),

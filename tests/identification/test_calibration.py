@@ -39,7 +39,7 @@ def spoilt(log, zero1=0.0, zero2=0.0, offset1=0.0, offset2=0.0, scale2=1.0):
 
 
 @pytest.mark.parametrize(
-    "faults",
+    "errors",
     [
         {"zero1": 0.17, "zero2": -0.05},
         {"offset1": 0.2},
@@ -49,15 +49,15 @@ def spoilt(log, zero1=0.0, zero2=0.0, offset1=0.0, offset2=0.0, scale2=1.0):
     ],
     ids="-".join,
 )
-def test_faults_are_found_with_their_size(faults):
-    log = spoilt(noisy(1), **faults)
+def test_calibration_errors_are_found_with_their_size(errors):
+    log = spoilt(noisy(1), **errors)
     found = find_calibration_errors(log, SETTINGS)
-    assert {fault.name for fault in found} == set(faults)
-    for fault in found:
-        none = float(fault.name == "scale2")
-        assert fault.value - none == pytest.approx(faults[fault.name] - none, rel=0.1, abs=0.004)
-        assert fault.after < 0.9 * fault.before
-    r = prepare(calibration.correct_calibration(log, {fault.name: fault.value for fault in found}), SETTINGS)
+    assert {error.name for error in found} == set(errors)
+    for error in found:
+        none = float(error.name == "scale2")
+        assert error.value - none == pytest.approx(errors[error.name] - none, rel=0.1, abs=0.004)
+        assert error.after < 0.9 * error.before
+    r = prepare(calibration.correct_calibration(log, {error.name: error.value for error in found}), SETTINGS)
     np.testing.assert_allclose(solve(r.y, r.tau)[:5], BETA[:5], rtol=0.1)
 
 
@@ -65,7 +65,7 @@ def test_faults_are_found_with_their_size(faults):
 def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
     """Without it the fit is so poor that a full step of Gauss-Newton goes anywhere."""
     found = find_calibration_errors(spoilt(noisy(1, small(0.2)), **zero), SETTINGS)
-    assert {fault.name: pytest.approx(fault.value, abs=0.005) for fault in found} == zero
+    assert {error.name: pytest.approx(error.value, abs=0.005) for error in found} == zero
 
 
 @pytest.mark.parametrize(
@@ -74,9 +74,9 @@ def test_a_zero_is_found_where_the_arm_hardly_leaves_it(zero):
     ids=str,
 )
 def test_a_fault_that_a_log_can_hardly_tell_from_another_says_so(wrong, noise, others):
-    (fault,) = find_calibration_errors(spoilt(noisy(1, size=noise), **wrong), SETTINGS)
-    assert [fault.name] == [*wrong]
-    assert [*fault.instead] == others
+    (error,) = find_calibration_errors(spoilt(noisy(1, size=noise), **wrong), SETTINGS)
+    assert [error.name] == [*wrong]
+    assert [*error.instead] == others
 
 
 def test_a_log_without_a_fault_has_none():
@@ -91,7 +91,7 @@ def test_a_fault_is_found_from_the_size_that_is_said(name):
 
     def found(share):
         value = share * size + (name == "scale2")
-        return [fault.name for fault in find_calibration_errors(spoilt(log, **{name: value}), SETTINGS)]
+        return [error.name for error in find_calibration_errors(spoilt(log, **{name: value}), SETTINGS)]
 
     assert found(0.5) == []
     assert found(1.5) == [name]
@@ -106,32 +106,32 @@ def test_a_scale_that_a_log_alone_does_not_show_shows_with_another_log():
     scale = 1.0 + 1.5 * both["scale2"]
     wrong = spoilt(log, scale2=scale)
     assert find_calibration_errors(wrong, SETTINGS) == ()
-    (fault,) = find_calibration_errors(wrong, SETTINGS, others)
-    assert (fault.name, fault.value) == ("scale2", pytest.approx(scale, abs=4 * fault.error))
+    (error,) = find_calibration_errors(wrong, SETTINGS, others)
+    assert (error.name, error.value) == ("scale2", pytest.approx(scale, abs=4 * error.error))
 
 
 def test_what_is_put_right_is_not_among_what_may_be_hidden():
     log = spoilt(noisy(1), zero1=0.1)
     found = find_calibration_errors(log, SETTINGS)
-    hidden = calibration_limits(calibration.correct_calibration(log, {"zero1": found[0].value}), SETTINGS, found)
-    assert {*hidden} == {*CANDIDATES} - {"zero1"}
-    assert hidden == pytest.approx(calibration_limits(noisy(1), SETTINGS, found), rel=0.1)
+    limits = calibration_limits(calibration.correct_calibration(log, {"zero1": found[0].value}), SETTINGS, found)
+    assert {*limits} == {*CANDIDATES} - {"zero1"}
+    assert limits == pytest.approx(calibration_limits(noisy(1), SETTINGS, found), rel=0.1)
 
 
 @pytest.mark.parametrize("scale", [-0.2, 0.1, 20.0])
 def test_a_scale_that_no_torque_constant_is_off_by_is_not_claimed(scale):
-    assert "scale2" not in {fault.name for fault in find_calibration_errors(spoilt(noisy(1), scale2=scale), SETTINGS)}
+    assert "scale2" not in {error.name for error in find_calibration_errors(spoilt(noisy(1), scale2=scale), SETTINGS)}
 
 
 def test_a_joint_that_never_moves_has_no_scale_and_no_offset():
     still = replace(noisy(2), q=CLEAN.q * [[1.0], [0.0]])
-    assert all(fault.name in ("zero1", "offset1", "zero2") for fault in find_calibration_errors(still, SETTINGS))
+    assert all(error.name in ("zero1", "offset1", "zero2") for error in find_calibration_errors(still, SETTINGS))
     assert {*calibration_limits(still, SETTINGS, ())} <= {"zero1", "offset1", "zero2"}
 
 
 def test_a_log_that_tells_nothing_of_a_fault_hides_any_size_of_it():
-    hidden = calibration_limits(noisy(1, small(0.02), size=5.0), SETTINGS, ())
-    assert (hidden["zero2"], hidden["scale2"]) == (None, None)
+    limits = calibration_limits(noisy(1, small(0.02), size=5.0), SETTINGS, ())
+    assert (limits["zero2"], limits["scale2"]) == (None, None)
     # A limit of an offset between the largest torques of the joints.
     for joint, size in ((0, [[6.0], [0.02]]), (1, [[0.02], [6.0]])):
         rough = noisy(1, small(0.05), np.array(size))
@@ -194,7 +194,7 @@ def test_the_rotor_of_joint_2_is_subtracted_unasked_and_the_delay_does_not_absor
     (term,) = problem.first.taken
     assert (term.name, term.value) == ("rotor2", pytest.approx(0.4 * BETA[2], rel=0.05))
     assert problem.first.settings.delay == pytest.approx(DELAYED.delay, abs=3e-4)
-    assert beta_of("ordinary", problem.moving)[:5] == pytest.approx(BETA[:5], rel=0.01)
+    assert beta_of("ordinary", problem.without_standstill)[:5] == pytest.approx(BETA[:5], rel=0.01)
 
 
 @pytest.mark.parametrize("joint", [0, 1])
@@ -223,14 +223,14 @@ def test_a_prior_tells_which_torque_constant_is_wrong(wrong, beta):
     log = replace(noisy(1), tau=noisy(1).tau * factor)
     prior = read_prior({"g1": {"value": beta * BETA[3], "sd": 0.02}, "k1": {"value": 9.0, "sd": 1.0}})
     problem = problem_of_logs(loaded(log), methods=("instrumental",), prior=prior)
-    (fault,) = problem.first.faults
-    assert (fault.name, fault.value) == (f"scale{wrong or 2}", pytest.approx(factor.prod(), rel=0.02))
+    (error,) = problem.first.calibration_errors
+    assert (error.name, error.value) == (f"scale{wrong or 2}", pytest.approx(factor.prod(), rel=0.02))
     if wrong is None:
-        both = problem.moving, *problem.as_good[SCALE_OF_JOINT_1].regressions
+        both = problem.without_standstill, *problem.perturbations[SCALE_OF_JOINT_1].regressions
         second, first = (beta_of("instrumental", replace(r, prior=None)) for r in both)
         assert first == pytest.approx(1.4 * second, rel=0.01)
-    assert (SCALE_OF_JOINT_1 in problem.as_good) is (wrong is None)
-    lines = "\n".join(calibration_lines([fault], ARM, wrong is None))
+    assert (SCALE_OF_JOINT_1 in problem.perturbations) is (wrong is None)
+    lines = "\n".join(calibration_lines([error], ARM, wrong is None))
     assert "torque_scale" in lines
     assert ("--prior" in lines) is (wrong is None)
 
@@ -257,7 +257,7 @@ def test_only_where_it_is_asked_for_is_it_taken_and_then_friction_of_eq_1_comes_
     assert [(term.name, term.taken) for term in without.logs[0].terms] == [("load1", False)]
     assert [(term.name, term.taken) for term in asked.logs[0].terms] == [("load1", True)]
     assert np.array_equal(without.logs[0].loaded.log.tau, log.tau)
-    k1 = [solve(problem.moving.y, problem.moving.tau)[7] for problem in (without, asked)]
+    k1 = [solve(problem.without_standstill.y, problem.without_standstill.tau)[7] for problem in (without, asked)]
     assert abs(k1[0] - BETA[7]) > 0.05
     assert k1[1] == pytest.approx(BETA[7], rel=0.15)
     # The validation log, nearly the same, is corrected the same way.

@@ -57,15 +57,15 @@ def stopped():
 
 @pytest.mark.parametrize("name", ["ordinary", "weighted", "robust", "instrumental", "consistent"])
 def test_gravity_is_right_in_spite_of_a_hold_that_friction_carries(stopped, name):
-    moving = drop_standstill(stopped)
-    assert beta_of(name, moving)[3:5] == pytest.approx(BETA[3:5], rel=0.05)
+    without_standstill = drop_standstill(stopped)
+    assert beta_of(name, without_standstill)[3:5] == pytest.approx(BETA[3:5], rel=0.05)
     assert np.abs(beta_of("ordinary", stopped)[3:5] / BETA[3:5] - 1).max() > 0.1
     # What remains is as it was, and most of what moves remains.
-    rows, (begin, end) = moving.mask, np.searchsorted(stopped.t, (7.0, 10.0))
+    rows, (begin, end) = without_standstill.mask, np.searchsorted(stopped.t, (7.0, 10.0))
     assert not rows[:, begin:end].any()
     assert np.delete(rows, slice(begin, end), axis=1).mean() > 0.8
-    np.testing.assert_array_equal(moving.tau[rows], stopped.tau[rows])
-    np.testing.assert_array_equal(moving.y[rows], stopped.y[rows])
+    np.testing.assert_array_equal(without_standstill.tau[rows], stopped.tau[rows])
+    np.testing.assert_array_equal(without_standstill.y[rows], stopped.y[rows])
 
 
 def test_whiteness_of_a_residual_made_by_hand():

@@ -33,8 +33,10 @@ def textbook(r):
     return beta, np.sqrt(np.diag(np.linalg.inv(a.T @ a)) * energy[0] / (tau.size - 9))
 
 
-def ordinary_spread(r, seed, replicates=200, method=ORDINARY, as_good=None):
-    return uncertainty.bootstrap(method, r, method.estimate(r), as_good or {}, np.random.default_rng(seed), replicates)
+def ordinary_spread(r, seed, replicates=200, method=ORDINARY, perturbations=None):
+    return uncertainty.bootstrap(
+        method, r, method.estimate(r), perturbations or {}, np.random.default_rng(seed), replicates
+    )
 
 
 @pytest.mark.slow
@@ -114,8 +116,8 @@ def test_other_choices_add_the_square_of_their_shift(names, weight, added):
     r, *others = (exact(motion(T[:400]), noise=0.1 * rng.normal(size=(2, 400))) for _ in range(3))
     parts = [others] if len(names) == 1 else [[other] for other in others]
     rival = len(names) > 1
-    as_good = {name: Perturbation(tuple(part), weight, rival) for name, part in zip(names, parts, strict=True)}
-    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, as_good=as_good)
+    perturbations = {name: Perturbation(tuple(part), weight, rival) for name, part in zip(names, parts, strict=True)}
+    alone, together = ordinary_spread(r, 1), ordinary_spread(r, 1, perturbations=perturbations)
     beta, *moved = (np.linalg.lstsq(rows_of(o), o.tau.reshape(-1), rcond=None)[0] for o in (r, *others))
     expected = added([np.square(other - beta) for other in moved])
     assert together.standard_error**2 - alone.standard_error**2 == pytest.approx(expected, rel=1e-6)

@@ -119,9 +119,19 @@ def test_noise_of_the_torque_of_joint_2_hides_no_convention(table, named):
     assert all(str(named) in warning for warning in found)
 
 
-@pytest.mark.parametrize("header", ["Zeit,Schulter [deg],q2,M1,M2", "TIME,JointPosition[0],JointPosition[1],M[0],M[1]"])
-def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path, header):
+#: A header, and the columns that are proposed: none of another kind, none that was commanded or filtered.
+FOREIGN = {
+    "Zeit,Schulter [deg],q2,M1,M2": "Zeit,HEADER,q2,M1,M2",
+    "TIME,JointPosition[0],JointPosition[1],M[0],M[1]": "TIME,JointPosition[0],JointPosition[1],M[0],M[1]",
+    "seq,stamp,pos_a,pos_b,load": "stamp,HEADER,HEADER,HEADER,HEADER",
+    "t,q_cmd_1,q_cmd_2,q_act_1,q_act_2,i_1,i_2": "t,q_act_1,q_act_2,HEADER,HEADER",
+    "t,f_filt_1,f_filt_2,x_angle_2,x_angle_1,x_tau_1,x_tau_2": "t,x_angle_1,x_angle_2,x_tau_1,x_tau_2",
+}
+
+
+@pytest.mark.parametrize(("header", "proposed"), FOREIGN.items())
+def test_foreign_headers_are_proposed_for_the_arm_file(tmp_path, header, proposed):
     with pytest.raises(InputError) as refused:
-        read_log(write(tmp_path, f"{header}\n0,0,0,0,0\n"), Arm())
+        read_log(write(tmp_path, f"{header}\n{','.join('0' * header.count(',') + '0')}\n"), Arm())
     skeleton = yaml.safe_load("columns:" + str(refused.value).rpartition("columns:")[2])
-    assert skeleton["columns"] == dict(zip(("time", "q1", "q2", "tau1", "tau2"), header.split(","), strict=True))
+    assert skeleton["columns"] == dict(zip(("time", "q1", "q2", "tau1", "tau2"), proposed.split(","), strict=True))

@@ -100,11 +100,11 @@ def test_bags_that_cannot_be_read(tmp_path, monkeypatch):
     whole = (write(tmp_path / "arm", {"/joint_states": states()}) / "arm.mcap").read_bytes()
     for content in (b"", b"no bag", whole[: len(whole) // 2]):
         (tmp_path / "bad.mcap").write_bytes(content)
-        assert "expected a whole ROS 2 bag" in refusal(tmp_path / "bad.mcap")
-    monkeypatch.setattr("repro.logs.table.MOST_MESSAGES", 599)
+        assert "expected a whole bag of ROS" in refusal(tmp_path / "bad.mcap")
+    monkeypatch.setattr("repro.logs.table.MAX_MESSAGES", 599)
     assert refusal(tmp_path / "arm").endswith("arm: /joint_states: found 600 messages, expected at most 599")
     (tmp_path / "metadata.yaml").write_text("- nothing\n")
-    assert "expected a whole ROS 2 bag" in refusal(tmp_path)
+    assert "expected a whole bag of ROS" in refusal(tmp_path)
     monkeypatch.setattr("repro.errors.find_spec", lambda package: None)
     missing = "found no package rosbags, expected the extra bags: python -m pip install -e '.[bags]'"
     assert missing in refusal(tmp_path / "bad.mcap")

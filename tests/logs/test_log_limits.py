@@ -53,17 +53,17 @@ def test_blocks_change_nothing(file, monkeypatch, size, old, new):
         return log.t.tobytes(), log.q.tobytes(), log.tau.tobytes(), log.notes
 
     whole = read()
-    monkeypatch.setattr(table, "_BLOCK", size)
-    monkeypatch.setattr(table, "LONGEST_LINE", 100 * size)
+    monkeypatch.setattr(table, "_LINES_PER_BLOCK", size)
+    monkeypatch.setattr(table, "MAX_LINE_BYTES", 100 * size)
     assert read() == whole
 
 
 def test_too_many_rows_are_refused_and_a_file_too_large_unread(file, monkeypatch):
-    monkeypatch.setattr(table, "MOST_ROWS", 599)
+    monkeypatch.setattr(table, "MAX_ROWS", 599)
     assert "found more than 599 rows, expected at most 599" in refusal(file(text(GOOD)))
     path = file("time,q1\n")
-    os.truncate(path, table.LARGEST + 1)  # takes no room on the disk
-    assert f"size: found {table.LARGEST + 1} bytes" in refusal(path)
+    os.truncate(path, table.MAX_FILE_BYTES + 1)  # takes no room on the disk
+    assert f"size: found {table.MAX_FILE_BYTES + 1} bytes" in refusal(path)
 
 
 def test_missing_columns_are_found_in_the_header(file):

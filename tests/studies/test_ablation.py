@@ -1,4 +1,4 @@
-"""Readings of the paper: each changes what it names alone, and the ablation runs end to end on tiny budgets."""
+"""Interpretations of the paper: each changes only what it names, and the ablation runs end to end on tiny budgets."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from repro.model.dynamics import rebuild_torque
 from repro.signals.metric import metr2ev
 from repro_studies import interpretations
 from repro_studies.ablation import run_variant, train_variant
-from repro_studies.interpretations import HEADLINES, VARIANTS, configuration_of, network_files
+from repro_studies.interpretations import HEADLINES, INTERPRETATIONS, configuration_of, network_files
 
 CONFIG = full_config()
 TINY = changed(
@@ -32,31 +32,34 @@ TINY = changed(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", VARIANTS)
-def test_a_reading_is_a_valid_configuration_that_differs_in_what_it_names(name):
-    reading = VARIANTS[name]
-    found, own = configuration_of(CONFIG, reading), of_network(CONFIG, reading.network)
+@pytest.mark.parametrize("name", INTERPRETATIONS)
+def test_an_interpretation_is_a_valid_configuration_that_differs_in_what_it_names(name):
+    interpretation = INTERPRETATIONS[name]
+    found, own = configuration_of(CONFIG, interpretation), of_network(CONFIG, interpretation.network)
     check_config(plain(found.model_copy(update={"refinement": CONFIG.refinement})))  # as it is run
-    assert changed(found, **reading.change) == found
-    before = {name: {key: getattr(getattr(own, name), key) for key in named} for name, named in reading.change.items()}
+    assert changed(found, **interpretation.change) == found
+    before = {
+        section: {key: getattr(getattr(own, section), key) for key in keys}
+        for section, keys in interpretation.change.items()
+    }
     for section, values in before.items():
         assert all(getattr(getattr(found, section), key) != value for key, value in values.items())
-    assert found.training.steps == reading.longer * own.training.steps
+    assert found.training.steps == interpretation.longer * own.training.steps
     assert changed(changed(found, **before), training={"steps": own.training.steps}) == own
 
 
-@pytest.mark.parametrize("name", [name for name in VARIANTS if network_files(name)[0].startswith("model/")])
-def test_a_reading_that_takes_a_network_of_the_tables_would_train_the_same(name):
+@pytest.mark.parametrize("name", [name for name in INTERPRETATIONS if network_files(name)[0].startswith("model/")])
+def test_an_interpretation_with_a_network_of_the_tables_would_train_the_same(name):
     weights, history = network_files(name)
     suffix = weights.removeprefix("model/cnn").removesuffix(".safetensors")
     assert history == f"model/training{suffix}.csv"
     own = of_network(CONFIG, suffix.removeprefix("-") or "published")
-    assert configuration_digest(configuration_of(CONFIG, VARIANTS[name])) == configuration_digest(own)
+    assert configuration_digest(configuration_of(CONFIG, INTERPRETATIONS[name])) == configuration_digest(own)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["label-physical", "recipe-ranges"])
-def test_a_reading_is_trained_and_scored(name, tmp_path):
+def test_an_interpretation_is_trained_and_scored(name, tmp_path):
     weights, history, checkpoint = (tmp_path / part for part in ("w.safetensors", "h.csv", "c.safetensors"))
     train_variant(name, weights, history, Path(), str(checkpoint), TINY)
     assert read_csv(history, HISTORY_COLUMNS)["step"].iloc[-1] == 3
@@ -74,14 +77,14 @@ def test_a_reading_is_trained_and_scored(name, tmp_path):
     assert not any(without[key] == result[key] for key in ("arm_refined", "arm_least_squares", "arm_true"))
 
 
-def test_the_table_has_each_readings_last_held_out_loss():
+def test_the_table_has_the_last_held_out_loss():
     numbers = dict.fromkeys(("id_mean", "id_lowest", "validation_mean", *HEADLINES), 0.5)
-    rows = [[(1, 0.01, 7.0, 8.0), (k, 0.01, 9.0, k / 10)] for k in range(2, len(VARIANTS) + 2)]
+    rows = [[(1, 0.01, 7.0, 8.0), (k, 0.01, 9.0, k / 10)] for k in range(2, len(INTERPRETATIONS) + 2)]
     histories = [pd.DataFrame(row, columns=list(HISTORY_COLUMNS)) for row in rows]
-    table = interpretations.ablation_table([numbers] * len(VARIANTS), histories)
-    assert table["reading"].tolist() == [reading.name for reading in VARIANTS.values()]
-    assert table["steps"].tolist() == list(range(2, len(VARIANTS) + 2))
+    table = interpretations.ablation_table([numbers] * len(INTERPRETATIONS), histories)
+    assert table["reading"].tolist() == [interpretation.name for interpretation in INTERPRETATIONS.values()]
+    assert table["steps"].tolist() == list(range(2, len(INTERPRETATIONS) + 2))
     assert table["held_out_loss"].tolist() == [k / 10 for k in table["steps"]]  # not the loss of the training
     figure = interpretations.ablation_figure(table)
-    assert len(figure) == len(VARIANTS) * len(HEADLINES)
+    assert len(figure) == len(INTERPRETATIONS) * len(HEADLINES)
     assert set(figure["quantity"]) == set(HEADLINES)

@@ -81,7 +81,7 @@ def test_blocks_are_the_experiments_with_the_unit_of_the_configuration(recorded,
 # --- Search under both metrics ------------------------------------------------------------------------------------
 
 
-class Reader:
+class Estimator:
     """Errs by a part of the guess, which a rotation mixes: estimates of all qualities, some of them not possible."""
 
     def __init__(self, block, prepared, scale):
@@ -95,21 +95,21 @@ class Reader:
 @pytest.mark.parametrize("feasibility", ["positive", "positive-definite"])
 @pytest.mark.parametrize("scale", [0.03, 0.15])
 @pytest.mark.parametrize("threshold", [0.0, 0.6, 0.9])
-def test_one_reading_gives_what_the_search_gives_under_each_metric(blocks, threshold, scale, feasibility):
+def test_one_evaluation_gives_what_the_search_gives_under_each_metric(blocks, threshold, scale, feasibility):
     settings = SearchSettings(9, 6, threshold, guess_low=1e-3, guess_high=1.0, feasibility=feasibility)
     prepared = prepare_recording(blocks[1].recordings[0], None, CONFIG.signals)
-    reader = Reader(blocks[1], prepared, scale)
-    found, first = search_under(reader, prepared, settings, np.random.default_rng(5))
+    estimator = Estimator(blocks[1], prepared, scale)
+    found, first = search_under(estimator, prepared, settings, np.random.default_rng(5))
     assert set(found) == set(TIME_FORMULAS)
     for formula, (beta, met) in found.items():
         own = replace(settings, metric=MetricSettings(formula))
-        candidates = search(reader, prepared, own, np.random.default_rng(5))
+        candidates = search(estimator, prepared, own, np.random.default_rng(5))
         np.testing.assert_allclose(beta, select(candidates.beta, prepared, own).beta, rtol=1e-12, atol=1e-12)
         ended = np.sum(candidates.similarity >= threshold)
         assert met == (ended if threshold else 9)  # an estimate that is not possible has the similarity 0
     low, high = settings.guess_low, settings.guess_high
     guesses = np.stack([s.uniform(low, high, 9) for s in np.random.default_rng(5).spawn(9)])
-    np.testing.assert_allclose(first, reader.estimate(guesses), rtol=1e-12)
+    np.testing.assert_allclose(first, estimator.estimate(guesses), rtol=1e-12)
 
 
 # --- Scores -------------------------------------------------------------------------------------------------------
@@ -163,8 +163,8 @@ def test_a_network_is_scored_on_every_block(name, recorded, blocks, tmp_path):
             estimate, met = prepared.torque_scale * first, 0
         else:
             network = load_network(weights, c.network, configuration_digest(c), "float32")
-            reader = ResidualEstimator(network, data_settings(c).image, prepared)
-            found, first = search_under(reader, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, BLOCKS[k]))
+            estimator = ResidualEstimator(network, data_settings(c).image, prepared)
+            found, first = search_under(estimator, prepared, settings, stream(seed, Stream.FACTORIAL_SEARCH, BLOCKS[k]))
             estimate, met = found[formula]
         row = table.loc[(BLOCKS[k], formula, motion)]
         totals = similarities(blocks[k], estimate, formula, c)

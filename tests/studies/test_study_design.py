@@ -19,7 +19,7 @@ from repro.signals.metric import TorqueScorer
 from repro.signals.programs import ReferenceTrajectory
 from repro.streams import Stream, stream
 from repro_studies.arms import Effects, choose, draw_law, excitation_program, read_choice, specimens, with_friction
-from repro_studies.design import FACTORS, Cell, cells, jobs
+from repro_studies.design import FACTORS, StudyCell, cells, jobs
 
 CONFIG = full_config()
 
@@ -104,7 +104,9 @@ def test_an_arm_has_the_same_effects_whatever_motion_it_is_identified_by(tmp_pat
     monkeypatch.setattr("repro_studies.arms.run_loop", perfect_loop)
     levels = ((0.97, 2.0), (0.9, 1.0))
     by = {
-        name: specimens(CONFIG, [Cell(name, level, "narrow", friction, False) for level, friction in levels], choice)
+        name: specimens(
+            CONFIG, [StudyCell(name, level, "narrow", friction, False) for level, friction in levels], choice
+        )
         for name in programs
     }
     for one, other in zip(*by.values(), strict=True):

@@ -1,4 +1,4 @@
-"""Readers without a network of Algorithm 1: generalised least squares, and how a claim stands to the truth."""
+"""Methods of the study without a network of Algorithm 1, and their claimed distributions compared with the truth."""
 
 import dataclasses
 from unittest.mock import Mock
@@ -16,17 +16,17 @@ from repro.signals.dct import dct2sub
 from repro.streams import Stream, stream
 from repro_studies.arms import Specimen, draw_law, excitation_program
 from repro_studies.design import ALGORITHM1, RANKS
-from repro_studies.methods import Readers, Reading, make_arms, run_job, train_reader
+from repro_studies.methods import MethodEstimate, Methods, make_arms, run_job, train_reader
 from repro_studies.plain import PlainNetwork, save_posterior
 
 CONFIG, N = full_config(), 9
 
 
-def readers(tmp_path, *kept):
+def methods(tmp_path, *kept):
     training, weights = tmp_path / "training.safetensors", tmp_path / "posterior.safetensors"
     write_tensors(training, dict(zip(("error_covariance", "prior_mean", "prior_covariance"), kept, strict=True)))
     save_posterior(weights, PlainNetwork(100, CONFIG.study.posterior.width))
-    return Readers(training, {"posterior": weights}, CONFIG, CONFIG.signals)
+    return Methods(training, {"posterior": weights}, CONFIG, CONFIG.signals)
 
 
 def test_generalised_least_squares_is_what_statistics_says(tmp_path):
@@ -38,7 +38,7 @@ def test_generalised_least_squares_is_what_statistics_says(tmp_path):
     alpha = (y.reshape(-1, N) @ beta + np.linalg.cholesky(covariance) @ rng.normal(size=200)).reshape(2, 100)
     mean, spread = beta + 0.5, np.diag(np.linspace(0.01, 2.0, N))
     prepared = PreparedSignals(None, 1.0, unit, alpha, y, y)  # of which only the subsampled torque counts
-    plain, with_prior = readers(tmp_path, covariance, mean, spread)._generalised(prepared)
+    plain, with_prior = methods(tmp_path, covariance, mean, spread)._generalised(prepared)
     inverse, rows, torque = np.linalg.inv(covariance), y.reshape(-1, N), alpha.reshape(-1)
     information = rows.T @ inverse @ rows
     expected = np.linalg.solve(information, rows.T @ inverse @ torque)
@@ -59,31 +59,31 @@ def test_ranks_are_uniform_if_a_claim_is_right_and_not_if_it_is_narrow(tmp_path,
     rng, unit = np.random.default_rng(6), 2.5
     half = rng.normal(size=(N, N))
     covariance = half @ half.T / N + 0.1 * np.eye(N)
-    judge = readers(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).judge
+    judge = methods(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).judge
     centres = rng.normal(size=(400, N))
     truths = centres + rng.multivariate_normal(np.zeros(N), covariance, 400)
-    found = [Reading("x", centre, width**2 * covariance) for centre in centres]
-    claims = [judge(one, truth, unit, rng) for one, truth in zip(found, truths, strict=True)]
+    estimates = [MethodEstimate("x", centre, width**2 * covariance) for centre in centres]
+    claims = [judge(estimate, truth, unit, rng) for estimate, truth in zip(estimates, truths, strict=True)]
     for share in (RANKS[4], "nearer"):
         assert (stats.kstest([claim[share] for claim in claims], "uniform").pvalue > 0.01) == (width == 1.0)
     assert claims[0]["contraction"] == pytest.approx(np.mean(1.0 - width**2 * np.diag(covariance) / unit**2))
 
 
 def test_samples_are_judged_as_their_distribution(tmp_path):
-    judge = readers(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).judge
+    judge = methods(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).judge
     rng = np.random.default_rng(9)
     samples = rng.normal(3.0, 0.2, (20_000, N))
     truth = np.full(N, 3.0) + 0.2 * np.linspace(-2, 2, N)
-    claim = judge(Reading("x", samples.mean(0), samples=samples), truth, 1.0, rng)
+    claim = judge(MethodEstimate("x", samples.mean(0), samples=samples), truth, 1.0, rng)
     below = [claim[name] for name in RANKS]
     np.testing.assert_allclose(below, stats.norm.cdf(np.linspace(-2, 2, N)), atol=0.02)
-    assert np.isnan([*judge(Reading("x", truth), truth, 1.0, rng).values()]).all()
+    assert np.isnan([*judge(MethodEstimate("x", truth), truth, 1.0, rng).values()]).all()
 
 
 def test_shares_of_a_claim_do_not_depend_on_the_unit(tmp_path):
-    judge = readers(tmp_path, np.eye(200), np.full(N, 0.8), np.eye(N)).judge
+    judge = methods(tmp_path, np.eye(200), np.full(N, 0.8), np.eye(N)).judge
     truth, samples = np.linspace(0.1, 1.7, N), np.random.default_rng(8).normal(0.9, 0.5, (500, N))
-    claims = {unit: Reading("x", unit * samples.mean(0), samples=unit * samples) for unit in (1.0, 3.5)}
+    claims = {unit: MethodEstimate("x", unit * samples.mean(0), samples=unit * samples) for unit in (1.0, 3.5)}
     one, other = (judge(claim, u * truth, u, np.random.default_rng(2)) for u, claim in claims.items())
     assert one == pytest.approx(other) and 0.1 < one["nearer"] < 0.9
 
@@ -91,9 +91,10 @@ def test_shares_of_a_claim_do_not_depend_on_the_unit(tmp_path):
 def test_a_claim_of_the_posterior_is_in_units_of_the_torque(tmp_path):
     """At twice the torque the same image of it gives twice the parameters, with four times their covariance."""
     (recording,) = read_recordings([CAPTURES / "ID.bin"], CONFIG)
-    read = readers(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).read
+    estimate = methods(tmp_path, np.eye(200), np.zeros(N), np.eye(N)).estimate
     strong = dataclasses.replace(recording, tau=2.0 * recording.tau)
-    one, other = ({found.method: found for found in read(r, False, None)}["posterior"] for r in (recording, strong))
+    by_method = ({each.method: each for each in estimate(r, False, None)} for r in (recording, strong))
+    one, other = (estimates["posterior"] for estimates in by_method)
     np.testing.assert_allclose(other.beta, 2.0 * one.beta, rtol=1e-4)
     np.testing.assert_allclose(other.covariance, 4.0 * one.covariance, rtol=1e-4)
 
@@ -141,11 +142,11 @@ def test_networks_of_algorithm_1_learn_the_listed_arms_with_the_seed_of_the_stud
 
 def test_a_claim_is_judged_in_the_unit_of_the_prior_with_random_numbers_of_its_own(monkeypatch):
     recordings = read_recordings([CAPTURES / f"{name}.bin" for name in MOTIONS], CONFIG)
-    found, arm = Mock(**{"read.return_value": [], "judge.return_value": {}}), true_parameters(CONFIG)
-    made = found, [Specimen(1, {"arm": 0}, arm, recordings)]
-    for name, value in zip(("Readers", "specimens"), made, strict=True):
+    methods, arm = Mock(**{"estimate.return_value": [], "judge.return_value": {}}), true_parameters(CONFIG)
+    values = methods, [Specimen(1, {"arm": 0}, arm, recordings)]
+    for name, value in zip(("Methods", "specimens"), values, strict=True):
         monkeypatch.setattr(f"repro_studies.methods.{name}", Mock(return_value=value))
     run_job("eq10-narrow-0", None, None, [], CONFIG)
-    *_, unit, rng = found.judge.call_args.args
+    *_, unit, rng = methods.judge.call_args.args
     assert unit == np.abs(dct2sub(recordings[0].regression(CONFIG.signals).tau, 100)).max()
     assert rng.random() == stream(1, Stream.STUDY_SEARCH, 1, 0).random()

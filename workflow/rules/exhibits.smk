@@ -29,8 +29,8 @@ SOURCES = {
     },
     "losses": {"histories": expand(f"{R}/model/training{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES])},
     "readings": {
-        "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=VARIANTS),
-        "losses": [f"{R}/{network_files(reading)[1]}" for reading in VARIANTS],
+        "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=INTERPRETATIONS),
+        "losses": [f"{R}/{network_files(reading)[1]}" for reading in INTERPRETATIONS],
     },
     "factorial": {
         "scores": [

@@ -214,6 +214,8 @@ def accept_config(
 ) -> Configuration:
     """Check the configuration of a run, `further` last; on a fault print its one line and leave with exit code 2."""
     try:
+        if any(map(str.isspace, sys.executable)):
+            raise InputError.at(sys.executable, "a blank in the path of Python", "none: a shell starts the jobs")
         checked = check_config(config, [Path(file) for file in files], True, motions)
         if further:
             further(checked)

@@ -301,7 +301,9 @@ class Accepted(Section):
     experiments: Folder = key("file with a row for each experiment, the smallest misfit first")
     guesses: Rising = key("budgets of guesses", "guesses", allowed="rising")
     further_guesses: Rising = key(
-        "further budgets of Algorithm 1 as listed, with the first seed", "guesses", allowed="rising, above `guesses`"
+        "further budgets of the experiments in detail, with the first seed",
+        "guesses",
+        allowed="rising, above `guesses`",
     )
     detailed_experiments: Whole = key(
         "number of experiments, from the first, with these, every seed, and the extensions", "experiments"

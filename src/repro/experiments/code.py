@@ -15,8 +15,8 @@ from pathlib import Path
 
 #: The packages whose code counts.
 PACKAGES = tuple(Path(__file__).resolve().parents[2] / name for name in ("repro", "repro_studies"))
-#: Of a module's statements that define nothing.
-REST = ""
+#: Name of a module's statements that define nothing.
+MODULE_LEVEL = ""
 
 
 @dataclass(frozen=True)
@@ -41,32 +41,34 @@ class CodeDigests:
 
     def of(self, *names: str) -> list[str]:
         """Digests of what modules (``package.module``) or definitions (``package.module:name``) reach."""
-        ahead = []
-        for each in names:
-            module, _, name = each.partition(":")
-            ahead += [(module, name)] if name else self._whole(module)
-        reached = sorted(self._reached(ahead))
-        found = [(f"{module}:{name}", self._module(module).definitions[name][0]) for module, name in reached]
-        return [f"{name} {digest[:12]}" for name, digest in found if digest]
+        start = []
+        for place in names:
+            module, _, name = place.partition(":")
+            start += [(module, name)] if name else self._whole(module)
+        definitions = sorted(self._reach(start))
+        digests = [(f"{module}:{name}", self._module(module).definitions[name][0]) for module, name in definitions]
+        return [f"{name} {digest[:12]}" for name, digest in digests if digest]
 
-    def _reached(self, todo: list[tuple[str, str]]) -> set[tuple[str, str]]:
-        """Definitions that can be come to from these, themselves among them."""
-        reached: set[tuple[str, str]] = set()
-        while todo:
-            found = todo.pop()
-            if found in reached:
+    def _reach(self, start: list[tuple[str, str]]) -> set[tuple[str, str]]:
+        """Definitions, by module and name, that these use directly or indirectly, with these themselves."""
+        visited: set[tuple[str, str]] = set()
+        pending = [*start]
+        while pending:
+            definition = pending.pop()
+            if definition in visited:
                 continue
-            reached.add(found)
-            name, own = found[0], self._module(found[0])
-            parts = name.split(".")
-            todo += [(".".join(parts[:end]), REST) for end in range(1, len(parts) + 1)]  # packages are loaded before
-            for used in own.definitions[found[1]][1]:
+            visited.add(definition)
+            module_name, name = definition
+            module, parts = self._module(module_name), module_name.split(".")
+            # Python runs a package's statements before those of its modules.
+            pending += [(".".join(parts[:end]), MODULE_LEVEL) for end in range(1, len(parts) + 1)]
+            for used in module.definitions[name][1]:
                 first = used.split(".")[0]
-                todo += [(name, first)] if first in own.definitions else self._stands_for(own, used)
-        return reached
+                pending += [(module_name, first)] if first in module.definitions else self._resolve(module, used)
+        return visited
 
-    def _stands_for(self, source: Module, used: str) -> Iterator[tuple[str, str]]:
-        """Definitions of the package that a name used in a source means; none if it is not the package's."""
+    def _resolve(self, source: Module, used: str) -> Iterator[tuple[str, str]]:
+        """Definitions of the packages that a name in a source refers to; none for a name from elsewhere."""
         first, *attributes = used.split(".")
         parts = [*source.imported.get(first, "").split("."), *attributes]
         for end in range(len(parts), 0, -1):
@@ -75,15 +77,15 @@ class CodeDigests:
                 yield from self._defined(module, parts[end:])
                 return
 
-    def _defined(self, module: str, attributes: list[str]) -> Iterator[tuple[str, str]]:
-        """What an attribute of a module is: defined there, imported there, or the module as a whole."""
-        own = self._module(module)
-        if attributes and attributes[0] in own.definitions:
-            yield module, attributes[0]
-        elif attributes and attributes[0] in own.imported:
-            yield from self._stands_for(own, ".".join(attributes))
+    def _defined(self, module_name: str, attributes: list[str]) -> Iterator[tuple[str, str]]:
+        """Definitions behind an attribute of a module: its own, an imported one, or else the whole module."""
+        module = self._module(module_name)
+        if attributes and attributes[0] in module.definitions:
+            yield module_name, attributes[0]
+        elif attributes and attributes[0] in module.imported:
+            yield from self._resolve(module, ".".join(attributes))
         else:
-            yield from self._whole(module)
+            yield from self._whole(module_name)
 
     def _whole(self, module: str) -> list[tuple[str, str]]:
         return [(module, name) for name in self._module(module).definitions]
@@ -106,7 +108,7 @@ def parse(file: Path | None) -> Module:
     """Definitions of a source with the names that each uses, and what its imports bring; nothing of no file."""
     tree = _Bare().visit(ast.parse(file.read_bytes() if file else b""))
     imported: dict[str, str] = {}
-    parts: dict[str, list[ast.AST]] = {REST: []}
+    parts: dict[str, list[ast.AST]] = {MODULE_LEVEL: []}
     dotted = []
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -118,11 +120,11 @@ def parse(file: Path | None) -> Module:
             dotted += plain
     for statement in tree.body:
         if not isinstance(statement, ast.Import | ast.ImportFrom):
-            for name in _defines(statement) or [REST]:
+            for name in _defines(statement) or [MODULE_LEVEL]:
                 parts.setdefault(name, []).append(statement)
     names = {name: sorted({used for node in nodes for used in _used(node)}) for name, nodes in parts.items()}
     idle = imported.keys() - {used.split(".")[0] for node in tree.body for used in _used(node, annotations=True)}
-    names[REST] += sorted(idle) + dotted  # imported for what loading does
+    names[MODULE_LEVEL] += sorted(idle) + dotted  # imported for what loading does
     texts = {
         name: "".join(map(ast.dump, nodes)).encode() + (_contents(file.parent, nodes) if file else b"")
         for name, nodes in parts.items()

@@ -61,7 +61,7 @@ def search_accepted(
         own = of_network(config, name)
         algorithm1 = for_the_arm(algorithm1_of(name, weights[DETAILED[name]], own), own)
         method = "algorithm1" if name == "published" else f"algorithm1+{name}"
-        further = a.further_guesses if detailed and name == "published" and seed == a.seeds[0] else []
+        further = a.further_guesses if detailed and seed == a.seeds[0] else []
         budgets = [*a.guesses, *further]
         prepared = prepare_recording(recorded[0], None, signals, algorithm1.search.image_motion)
         estimator = ResidualEstimator(algorithm1.network, algorithm1.image, prepared)

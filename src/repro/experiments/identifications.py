@@ -204,14 +204,14 @@ def tracking(recording: Recording, metric: MetricSettings) -> pd.DataFrame:
 
 
 def _entries(place: str, value: object, what: str) -> dict[str, dict[str, Any]]:
-    """Objects of an object read from JSON, which must have some; what is no object counts as an empty one."""
+    """Check that a JSON value is an object with entries, and replace each entry of another type by an empty object."""
     if not isinstance(value, dict) or not value:
         raise InputError.at(place, f"no {what}", "at least one")
     return {name: entry if isinstance(entry, dict) else {} for name, entry in value.items()}
 
 
 def _check_nine(place: str, value: object) -> None:
-    """Refuse a value read from JSON that is no parameter set."""
+    """Refuse a JSON value that is not a list of nine numbers."""
     if not isinstance(value, list) or len(value) != len(NAMES) or not all(isinstance(x, int | float) for x in value):
         raise InputError.at(place, "no parameter set", "nine numbers")
 

@@ -41,7 +41,7 @@ def _is_relevant(record: logging.LogRecord) -> bool:
 
 @contextmanager
 def job(log: str, threads: int = 1) -> Iterator[None]:
-    """Run a rule's work."""
+    """Log to `log` and the terminal, share the folder's lock, and turn an `InputError` into one line."""
     end_by_exception()
     lock: AbstractContextManager[object] = share_lock() if STATE.is_dir() else nullcontext()
     Path(log).parent.mkdir(parents=True, exist_ok=True)

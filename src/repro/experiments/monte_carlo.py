@@ -25,7 +25,7 @@ COMPARISON_COLUMNS = (
 )  # fmt: skip
 
 
-class Scores:
+class ArmScores:
     """Similarity of estimates on the recordings of one experiment, the one that is identified from first."""
 
     def __init__(self, recordings: Sequence[Recording], config: Configuration) -> None:

@@ -37,16 +37,16 @@ Counts = NDArray[np.int16]
 MOST_REFUSED = 10_000_000
 
 
-def _stored(path: Path, expected: str) -> Callable[[str, tuple[int, ...]], NDArray[Any]]:
-    """Reader of the arrays of a file: by name, the first entries that make up a shape."""
-    kept, _ = read_tensors(path, expected)
+def array_loader(path: Path, expected: str) -> Callable[[str, tuple[int, ...]], NDArray[Any]]:
+    """Return a function ``load(name, shape)`` that reads an array of a file and cuts its first axis to the shape."""
+    arrays, _ = read_tensors(path, expected)
 
-    def first(name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-        if name not in kept or kept[name][: shape[0]].shape != shape:
+    def load(name: str, shape: tuple[int, ...]) -> NDArray[Any]:
+        if name not in arrays or arrays[name][: shape[0]].shape != shape:
             raise InputError.at(f"{path}: {name}", "another shape or nothing", f"an array of shape {shape}")
-        return kept[name][: shape[0]]
+        return arrays[name][: shape[0]]
 
-    return first
+    return load
 
 
 def _built(rng: np.random.Generator, n: int) -> Array:
@@ -158,9 +158,9 @@ def training_motion(config: Configuration, tracked: Path | None = None) -> Sampl
         return sample_motion(
             identification_trajectory(signals.duration_s, signals.sampling_period_s), signals, unmodelled=unmodelled
         )
-    stored = _stored(tracked or Path(), "motions of `simulate_tracked`")
+    load = array_loader(tracked or Path(), "motions of `simulate_tracked`")
     program = identification_reference(identification_settings(config))
-    sent = replace(program, q=stored("desired", program.q.shape).astype(np.float64))
-    position = stored("position", (config.data.tracked.arms, *sent.q.shape))
+    sent = replace(program, q=load("desired", program.q.shape).astype(np.float64))
+    position = load("position", (config.data.tracked.arms, *sent.q.shape))
     desired = config.algorithm1.image_motion == "desired"
     return sampled_tracks(position * RADIANS_PER_COUNT, sent, signals, unmodelled, desired)

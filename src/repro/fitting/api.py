@@ -334,13 +334,13 @@ def identify(
     True
     >>> figure = result.plot()
     """
-    logs, others = _several("log", log), _several("validate", validate)
+    fitted, validation = _several("log", log), _several("validate", validate)
     _check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
     _check_kind("cache", cache, (str, Path, NoneType), "a path")
     for name, switch in (("friction", friction), ("self_test", self_test)):
         _check_kind(name, switch, bool, "True or False")
     described = arm if isinstance(arm, Arm) else read_arm(arm)
-    names = choose_methods(method, len(logs), self_test)
+    names = choose_methods(method, len(fitted), self_test)
     before = None if prior is None else read_prior(prior)
     networks = _expanded(Path(cache or network_cache()))
     options = Options(names, networks, filter, cutoff, seed, steps, before, friction)
@@ -350,17 +350,17 @@ def identify(
             raise InputError.at(given, "given for Algorithm 1", "method least-squares, or one of its methods")
         require("torch", "cnn", "method Algorithm 1", "method least-squares, or ")
         _check_cache(options.cache)
-    loaded = [load_log(source, described) for source in (*logs, *others)]
-    for k, each in enumerate(loaded):
-        _report_log(each, briefly=k > 0)
-    problem = make_problem(loaded[: len(logs)], loaded[len(logs) :], described, options)
+    loaded = [load_log(source, described) for source in (*fitted, *validation)]
+    for k, loaded_log in enumerate(loaded):
+        _report_log(loaded_log, briefly=k > 0)
+    problem = make_problem(loaded[: len(fitted)], loaded[len(fitted) :], described, options)
     for prepared in problem.logs:
         s = prepared.settings
         _LOG.info("%s: cut-off %.3g Hz: %s", prepared.loaded.name, s.cutoff, prepared.cutoff.reason)
         delay = f"{1e3 * abs(s.delay):.3g} ms {'earlier' if s.delay < 0.0 else 'later'}"
         _LOG.info("the torque acts %s than recorded; lambda %.4g s/rad", delay, s.friction_steepness)
     result, curves = _solve(problem, described, options, self_test)
-    inputs = [Path(source) for source in (*logs, *others, arm, prior) if isinstance(source, (str, Path))]
+    inputs = [Path(source) for source in (*fitted, *validation, arm, prior) if isinstance(source, (str, Path))]
     captures = [file for path in inputs if path.suffix == ".bin" for file in files_of(path)]
     return Identification(result, result.recommended, curves, described, (*inputs, *captures))
 
@@ -388,11 +388,11 @@ def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test
 
 def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source, ...]:
     """Give one or several recordings as a tuple, names of files as paths."""
-    some = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    recordings = tuple(given) if isinstance(given, (list, tuple)) else (given,)
     expected = "a path, a DataFrame, Log(t=..., q=..., tau=...) of arrays, or a list of these"
-    for one in some:
-        _check_kind(name, one, (str, Path, pd.DataFrame, Log), expected)
-    return tuple(Path(one) if isinstance(one, str) else one for one in some)
+    for recording in recordings:
+        _check_kind(name, recording, (str, Path, pd.DataFrame, Log), expected)
+    return tuple(Path(recording) if isinstance(recording, str) else recording for recording in recordings)
 
 
 def _check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
@@ -406,9 +406,9 @@ def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool
     if not n_logs:
         raise InputError.at("log", "no recording", "at least one")
     given = tuple(method) if isinstance(method, (list, tuple)) else (method,)
-    for one in given:
-        _check_kind("method", one, str, "a name or a list of names")
-    names = tuple(dict.fromkeys(name for one in given for name in GROUPS.get(one, (one,))))
+    for choice in given:
+        _check_kind("method", choice, str, "a name or a list of names")
+    names = tuple(dict.fromkeys(name for choice in given for name in GROUPS.get(choice, (choice,))))
     unknown = [name for name in names if name not in GROUPS["all"]]
     if unknown or not names:
         known = ", ".join((*GROUPS, *GROUPS["all"]))

@@ -47,13 +47,13 @@ from repro.streams import Stream, stream
 _LOG = logging.getLogger(__name__)
 
 #: Called with what is done, steps done, steps in all and perhaps a note.
-Progress = Callable[..., None]
+ReportProgress = Callable[..., None]
 Position = tuple[float, float] | None
 
 DRAWS = 5  # synthetic logs of a self-test
-#: Share of the squared torque error that noise explains, below which Eq. 1 is wrong.
-NOISE = 0.5
-MOSTLY = 0.5  # weight of the prior in an estimate above which the verdict reports it
+#: Share of the squared torque error that noise must explain: below it Eq. 1 is wrong.
+MIN_NOISE_SHARE = 0.5
+MAX_UNREPORTED_WEIGHT = 0.5  # weight of the prior in an estimate above which the verdict reports it
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Fit:
     prior_weight: Array = field(default_factory=lambda: np.zeros(len(NAMES)))  # of each estimate (9,), 0 to 1
 
 
-def resolve(options: Options, progress: Progress) -> list[Method]:
+def resolve(options: Options, progress: ReportProgress) -> list[Method]:
     """Find the methods by their names."""
     known = dict(METHODS)
     if set(options.methods) & set(NETWORKS):
@@ -82,7 +82,9 @@ def resolve(options: Options, progress: Progress) -> list[Method]:
     return [known[name] for name in options.methods]
 
 
-def fit_all(problem: IdentificationProblem, methods: Sequence[Method], seed: int, progress: Progress) -> list[Fit]:
+def fit_all(
+    problem: IdentificationProblem, methods: Sequence[Method], seed: int, progress: ReportProgress
+) -> list[Fit]:
     """Fit the methods one after another; one without a solution is left out with a warning."""
     fits = []
     for method in methods:
@@ -100,12 +102,12 @@ def fit(
     method: Method, problem: IdentificationProblem, seed: int, halves: bool, report: Callable[[int, int], None]
 ) -> Fit:
     """Compute the estimate, its standard errors and the scores of the halves."""
-    r = problem.regression if method.needs_all_samples else problem.moving
+    r = problem.regression if method.needs_all_samples else problem.without_standstill
     estimate = method.estimate(r)
     spread, parts = None, []
     if method.claims_intervals:
         rng = stream(seed, Stream.OWN_BOOTSTRAP)
-        spread = bootstrap(method, r, estimate, problem.as_good, rng, report=report)
+        spread = bootstrap(method, r, estimate, problem.perturbations, rng, report=report)
         parts = [(log.loaded.name, others, log.regression) for log, others in problem.left_out]
     if halves and not parts:
         first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
@@ -157,7 +159,7 @@ def evaluate(fitted: Fit, problem: IdentificationProblem, positions: tuple[Posit
 def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter, ...]:
     """Give the nine with their verdicts; a parameter at its bound, or not determined by itself, has no interval."""
     beta, spread, determined = fitted.estimate.beta, fitted.spread, problem.excited.determined
-    excited = torque_fraction(problem.moving, beta) > MIN_TORQUE_FRACTION
+    excited = torque_fraction(problem.without_standstill, beta) > MIN_TORQUE_FRACTION
     rough_joints = {term.name[-1] for term in problem.first.terms if not (term.taken or term.kind == ROTOR)}
     known = problem.prior.known if problem.prior is not None else np.zeros(len(NAMES), bool)
     rows = []
@@ -165,13 +167,13 @@ def _parameters(fitted: Fit, problem: IdentificationProblem) -> tuple[Parameter,
         at_bound = bool(beta[k] == 0.0 or known[k])
         error = low = high = None
         if spread is not None and determined[k] and not (at_bound or problem.doubt):
-            error, low, high = (float(each[k]) for each in (spread.standard_error, spread.low, spread.high))
+            error, low, high = (float(values[k]) for values in (spread.standard_error, spread.low, spread.high))
         possible, doubt = beta[k] > 0.0 or name not in NOT_NEGATIVE, problem.doubt if spread is not None else ""
         weight = float(fitted.prior_weight[k])
         text = verdict(float(beta[k]), low, high, bool(excited[k]), at_bound, determined[k], possible, doubt)
         if known[k]:
             text = FIXED
-        elif weight > MOSTLY:
+        elif weight > MAX_UNREPORTED_WEIGHT:
             text += f"; mostly from the prior (weight {100 * weight:.0f} %)"
         if name[0] in "bk" and name[1] in rough_joints:
             text += "; includes other friction"
@@ -206,12 +208,12 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         recommended=recommended,
         reason=reason,
         warnings=(
-            *calibration_warnings(problem.logs, arm, SCALE_OF_JOINT_1 in problem.as_good),
+            *calibration_warnings(problem.logs, arm, SCALE_OF_JOINT_1 in problem.perturbations),
             *wrong_length(methods[best], arm),
             *warnings(problem, methods, recommended, excitation),
         ),
-        setup=tuple(log.faults for log in problem.logs),
-        hidden=tuple(log.hidden for log in problem.logs),
+        calibration_errors=tuple(log.calibration_errors for log in problem.logs),
+        calibration_limits=tuple(log.calibration_limits for log in problem.logs),
         friction=tuple(log.terms for log in problem.logs),
         prior={name: {"value": mean, "sd": sd} for name, mean, sd in known if np.isfinite(sd)},
     )
@@ -250,12 +252,15 @@ def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) 
     """Simulate the recording of a log, or of its longest piece, with an arm of known parameters."""
     s, loaded = prepared.settings, prepared.loaded
     pairs = zip(loaded.log.pieces, segments(loaded.recorded or loaded.log), strict=True)
-    log, piece = (replace(one, t=one.t - one.t[0]) for one in max(pairs, key=lambda pair: pair[0].t.size))
+    longest = max(pairs, key=lambda pair: pair[0].t.size)
+    log, piece = (replace(part, t=part.t - part.t[0]) for part in longest)
     even, h, top = uniform(piece), period(log), motion_cutoff(s, period(log))
     moved = smooth_motion(log.q, h, s)
     acting = CubicSpline(log.t, regressor(*moved, s.friction_steepness) @ beta, axis=1)
     late = acting(np.clip(log.t + s.delay, 0.0, log.t[-1]))
-    right = correct_calibration(replace(log, q=moved[0], tau=late), inverse_errors(values_of(prepared.faults)))
+    right = correct_calibration(
+        replace(log, q=moved[0], tau=late), inverse_errors(values_of(prepared.calibration_errors))
+    )
     # Above the frequencies of the motion the torque contains friction, and its residual the noise of the position.
     noise = [_level(x, h, top, 2.0 * top) for x in (even.tau, even.tau - right.tau)]
     # Rounded time stamps say when a sample was written; it was measured at the even instant.
@@ -267,7 +272,7 @@ def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) 
 
 
 def self_test(
-    problem: IdentificationProblem, method: Method, beta: Array, arm: Arm, options: Options, report: Progress
+    problem: IdentificationProblem, method: Method, beta: Array, arm: Arm, options: Options, report: ReportProgress
 ) -> SelfTest:
     """Simulate logs with the parameters that a method estimated, and solve them by that method as the real ones.
 
@@ -281,9 +286,9 @@ def self_test(
     for draw in range(DRAWS):
         rng = stream(options.seed, Stream.SELF_TEST, draw)
         logs = prepare_logs([synthetic_log(log, beta, rng) for log in problem.logs], arm, as_real)
-        moving, as_good = join_logs(logs, problem.prior)
-        estimate = method.estimate(moving)
-        spread = bootstrap(method, moving, estimate, as_good, rng)
+        regression, perturbations = join_logs(logs, problem.prior)
+        estimate = method.estimate(regression)
+        spread = bootstrap(method, regression, estimate, perturbations, rng)
         betas.append(estimate.beta)
         claimed.append(estimate.beta != 0.0)
         inside.append((spread.low <= beta) & (beta <= spread.high) & claimed[-1])
@@ -293,12 +298,12 @@ def self_test(
     noise = np.minimum(np.divide(error, real, out=np.ones(2), where=np.array(real) > 0.0) ** 2, 1.0)
     columns = (beta, np.median(betas, 0), np.min(betas, 0), np.max(betas, 0), np.sum(inside, 0), np.sum(claimed, 0))
     parameters = tuple(map(RecoveredParameter, NAMES, *(column.tolist() for column in columns)))
-    wrong = bool(noise.min() < NOISE)
+    wrong = bool(noise.min() < MIN_NOISE_SHARE)
     return SelfTest(method.name, DRAWS, parameters, tuple(error.tolist()), real, tuple(noise.tolist()), wrong)
 
 
 def add_self_test(
-    result: Result, problem: IdentificationProblem, arm: Arm, options: Options, progress: Progress
+    result: Result, problem: IdentificationProblem, arm: Arm, options: Options, progress: ReportProgress
 ) -> Result:
     """Test the recommended one of the methods with intervals on synthetic logs with the parameters it estimated."""
     able = {m.method: m for m in result.methods if m.claims_intervals}
@@ -314,7 +319,7 @@ def add_self_test(
 
 
 def add_runs(
-    result: Result, problem: IdentificationProblem, methods: Sequence[Method], seed: int, progress: Progress
+    result: Result, problem: IdentificationProblem, methods: Sequence[Method], seed: int, progress: ReportProgress
 ) -> Result:
     """Fit each of several logs by itself with the recommended method; one without a solution is left out."""
     method = next(m for m in methods if m.name == result.recommended)
@@ -331,8 +336,8 @@ def add_runs(
 
 
 def _excitation(problem: IdentificationProblem, beta: Array) -> Excitation:
-    of, share = problem.excited, torque_fraction(problem.moving, beta)
-    still = torque_fraction(problem.moving, np.ones(9)) == 0.0
+    of, share = problem.excited, torque_fraction(problem.without_standstill, beta)
+    still = torque_fraction(problem.without_standstill, np.ones(9)) == 0.0
     unexcited = np.array(NAMES)[still | ((share <= MIN_TORQUE_FRACTION) & (beta != 0.0))]
     lists = tuple(share.tolist()), of.friction_correlation, tuple(unexcited.tolist()), of.base_parameters
     return Excitation(of.rank, of.condition, *lists)

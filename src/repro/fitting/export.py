@@ -33,16 +33,16 @@ from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, check_beta
 
 #: Share of I3 and D that J2 and R keep at least, if the centre of mass of link 2 is to be put in its middle.
-FAIR_SHARE = 0.05
+MIN_SHARE = 0.05
 
 #: Inertia of a rod about its long axis over that about a transverse one; simulators refuse an inertia of 0.
 SLENDERNESS = 0.1
 
-#: Lengths that an arm can have, m. Others come of a g2 or an I2 too near zero to fix one.
-LENGTHS = (1e-3, 1e3)
+#: Limits of the length of a link, m. A length beyond them comes of a g2 or an I2 too near zero to fix one.
+MIN_LENGTH_M, MAX_LENGTH_M = 1e-3, 1e3
 
-#: Size of every positive number that is taken, SI: far beyond any arm, well within what floats square and divide.
-SIZES = (1e-12, 1e12)
+#: Limits of every positive number, SI: far beyond any arm, well within what floats square and divide.
+MIN_SIZE, MAX_SIZE = 1e-12, 1e12
 
 
 @dataclass(frozen=True)
@@ -78,8 +78,8 @@ def principal_inertia(planar: float) -> tuple[float, float, float]:
 def _check_sizes(values: dict[str, float]) -> None:
     """Refuse a number that is not positive, or of no arm's size."""
     for name, value in values.items():
-        if not SIZES[0] <= value <= SIZES[1]:
-            raise ValueError(f"{name} = {value:.4g} must be positive, between {SIZES[0]:g} and {SIZES[1]:g}.")
+        if not MIN_SIZE <= value <= MAX_SIZE:
+            raise ValueError(f"{name} = {value:.4g} must be positive, between {MIN_SIZE:g} and {MAX_SIZE:g}.")
 
 
 def _check_possible(beta: Array) -> None:
@@ -88,8 +88,8 @@ def _check_possible(beta: Array) -> None:
     for name, value in zip(NAMES[5:], beta[5:], strict=True):
         if value < 0.0:
             raise ValueError(f"{name} = {value:.4g}: friction must not be negative.")
-    if abs(g1) > SIZES[1]:
-        raise ValueError(f"g1 = {g1:.4g} must be below {SIZES[1]:g} in size.")
+    if abs(g1) > MAX_SIZE:
+        raise ValueError(f"g1 = {g1:.4g} must be below {MAX_SIZE:g} in size.")
     if i2 < 0.0 and g2 < 0.0:
         raise ValueError(
             f"I2 = {i2:.4g} and g2 = {g2:.4g} must be positive: with both negative, q2 = 0 is not where link 2 extends"
@@ -97,9 +97,9 @@ def _check_possible(beta: Array) -> None:
         )
     if g2 < 0.0:
         raise ValueError(f"g2 = {g2:.4g} must be positive: q = 0 must hang down, and gravity act downwards.")
-    if g2 < SIZES[0]:
+    if g2 < MIN_SIZE:
         raise ValueError(f"g2 = {g2:.4g} must be positive: without gravity on link 2, l1 = I2 g / (2 g2) is not fixed.")
-    if i2 < SIZES[0]:
+    if i2 < MIN_SIZE:
         raise ValueError(f"I2 = {i2:.4g} must be positive: with g2 = {g2:.4g} no length l1 = I2 g / (2 g2) is.")
     _check_sizes({"I1": i1, "I2": i2, "I3": i3, "g2": g2})
     if i3 * (i1 - i3) <= 0.25 * i2 * i2:
@@ -135,7 +135,7 @@ def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[floa
     _check_possible(beta)
     first, d = g2 / gravity, i1 - i3  # a, D
     l1 = i2 / (2.0 * first)
-    if not LENGTHS[0] <= l1 <= LENGTHS[1]:
+    if not MIN_LENGTH_M <= l1 <= MAX_LENGTH_M:
         raise ValueError(f"l1 = I2 g / (2 g2) = {l1:.4g} m is no arm's length: I2 = {i2:.4g}, g2 = {g2:.4g}.")
 
     notes = []
@@ -153,12 +153,12 @@ def links_of(beta: Array, gravity: float = STANDARD_GRAVITY, lengths: tuple[floa
     if lengths is not None:
         middle = 2.0 * first / lengths[1]
         of_middle = i3 - first * first / middle, d - middle * l1 * l1
-        if of_middle[0] >= FAIR_SHARE * i3 and of_middle[1] >= FAIR_SHARE * d:
+        if of_middle[0] >= MIN_SHARE * i3 and of_middle[1] >= MIN_SHARE * d:
             m2, (j2, rest) = middle, of_middle
             how = "so that the centre of mass of link 2 is in its middle"
         else:
             how += f", since a centre of mass in the middle of link 2 would need {middle:.4g} kg"
-    if share < FAIR_SHARE:
+    if share < MIN_SHARE:
         notes.append(
             f"M(q) is nearly singular, I2^2 / 4 is {square:.6g} of I3 (I1 - I3), so J1 and J2 are small and m1 is"
             " a formal number, not a weight"

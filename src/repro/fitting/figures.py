@@ -21,8 +21,8 @@ from repro.model.parameters import Array
 
 DPI = 200  # dots per inch: 1432 pixels for the width of a page
 _COLOURS = 96  # colours of a picture; lines and their soft edges need no more, and the file is a third as large
-MOST_METHODS = 3  # methods whose curves are drawn: the recommended one and the first of the others
-MOST_LOGS = 8  # logs whose curves are drawn, so that the page stays light
+MAX_DRAWN_METHODS = 3  # methods whose curves are drawn: the recommended one and the first of the others
+MAX_DRAWN_LOGS = 8  # logs whose curves are drawn, so that the page stays light
 #: How methods are drawn, in the order in which the figures name them: each differs from its neighbours in colour,
 #: dash and mark.
 STROKES: Final[tuple[dict[str, Any], ...]] = (
@@ -37,26 +37,26 @@ STROKES: Final[tuple[dict[str, Any], ...]] = (
     {"color": "#b0476f", "linestyle": (0, (5.0, 1.0, 1.0, 1.0, 1.0, 1.0)), "linewidth": 1.1},
 )
 MARKS: Final = ("o", "s", "D", "^", "v", "P", "X", "*", "h")
-_CLOSE_UP_PART, _CLOSE_UP_LEAST = 1 / 8, 2.0  # the close-up shows this part of the log, but at least so many seconds
-_FLOOR = 1e-4  # a spectrum is shown down to this part of its largest amplitude
+_CLOSE_UP_PART, _MIN_CLOSE_UP_S = 1 / 8, 2.0  # the close-up shows this part of the log, but at least so many seconds
+_MIN_AMPLITUDE_RATIO = 1e-4  # a spectrum is shown down to this part of its largest amplitude
 _LINE = 0.17  # height of a line of the legend, inches
-_MOST_DECADES = 3.0  # a frequency axis of fewer decades also names 2 and 5 of each
+_MAX_DECADES = 3.0  # a frequency axis of fewer decades also names 2 and 5 of each
 _CUTOFF_VIEW = 2.0  # frequencies shown of the choice of the cut-off, over the highest that could have been chosen
 #: Panels by row: inertia; gravity, viscous and Coulomb friction of joint 1; the same of joint 2.
 PANELS: Final = (("I1", "I2", "I3"), ("g1", "b1", "k1"), ("g2", "b2", "k2"))
 #: A panel reaches this many median deviations of its points from their median; an arrow marks a point outside.
-_REACH = 12.0
+_MAX_DEVIATIONS = 12.0
 
 
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
     titles = ordered_titles(result)
-    most, best = (dict(islice(titles.items(), count)) for count in (MOST_METHODS, 1))
+    most, best = (dict(islice(titles.items(), count)) for count in (MAX_DRAWN_METHODS, 1))
     with style.house_style():
         figures = {"parameters": _png(draw_parameters(result))}
         if curves.cutoff is not None:
             figures["cutoff"] = _png(draw_cutoff(curves.cutoff, result.simulated))
-        for place, signals in enumerate(curves.signals[:MOST_LOGS]):
+        for place, signals in enumerate(curves.signals[:MAX_DRAWN_LOGS]):
             figures[f"overlay-{place}"] = _png(draw_overlay(signals, most, result.simulated))
             figures[f"spectra-{place}"] = _png(draw_spectra(signals, best, result.simulated))
     return figures
@@ -114,7 +114,7 @@ def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = 
     ratios = {"height_ratios": (1.7, 1.0, 1.7, 1.0), "width_ratios": (1.6, 1.0)}
     grid, methods = figure.subplots(4, 2, sharex="col", sharey="row", gridspec_kw=ratios), list(titles)
     length = float(signals.t[-1] - signals.t[0])
-    part = min(max(_CLOSE_UP_PART * length, _CLOSE_UP_LEAST), length)
+    part = min(max(_CLOSE_UP_PART * length, _MIN_CLOSE_UP_S), length)
     start = float(np.clip(np.median(signals.t) - 0.5 * part, signals.t[0], signals.t[-1] - part))
     end = start + part
     steps = np.diff(signals.t, prepend=signals.t[0])
@@ -149,7 +149,7 @@ def draw_spectra(signals: Signals, titles: Mapping[str, str], simulated: bool = 
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     curves = np.stack([signals.tau_spectrum, *(signals.rebuilt_spectrum[method] for method in titles)])
     largest = float(curves.max()) or 1.0
-    loud = (curves >= 10 * _FLOOR * largest).any(axis=(0, 1))
+    loud = (curves >= 10 * _MIN_AMPLITUDE_RATIO * largest).any(axis=(0, 1))
     last = float(signals.frequency[loud].max(initial=signals.frequency[1]))
     shown = (signals.frequency > 0.0) & (signals.frequency <= last)
     f = signals.frequency[shown]
@@ -161,7 +161,7 @@ def draw_spectra(signals: Signals, titles: Mapping[str, str], simulated: bool = 
         axes.set_title(style.SERIES_LABELS[JOINTS[joint]])
         axes.set_xlabel("Frequency (Hz)")
     _logarithmic(panels[0])
-    panels[0].set_ylim(_FLOOR * largest, 2.0 * largest)
+    panels[0].set_ylim(_MIN_AMPLITUDE_RATIO * largest, 2.0 * largest)
     panels[0].set_ylabel("Amplitude (N·m)")
     _place(figure, 0.55, 0.32, 0.26 + _legend(figure, panels[0], simulated), 0.04)
     return figure
@@ -177,7 +177,7 @@ def _logarithmic(axes: Axes) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     first, last = axes.get_xlim()
-    steps = (1.0, 2.0, 5.0) if np.log10(last / first) < _MOST_DECADES else (1.0,)
+    steps = (1.0, 2.0, 5.0) if np.log10(last / first) < _MAX_DECADES else (1.0,)
     axes.xaxis.set_major_locator(LogLocator(subs=steps))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -264,7 +264,7 @@ def _view(estimates: list[Parameter]) -> tuple[float, float]:
     points, ends, widths = (x[~np.isnan(x)] for x in (values[:, 0], values, values[:, 2] - values[:, 1]))
     middle = float(np.median(points)) if points.size else 0.0
     spread = max(float(np.median(np.abs(points - middle))), 0.5 * float(np.median(widths)) if widths.size else 0.0)
-    reach = _REACH * (spread or 0.1 * abs(middle) or 1.0)
+    reach = _MAX_DEVIATIONS * (spread or 0.1 * abs(middle) or 1.0)
     inside = ends[np.abs(ends - middle) <= reach]
     low, high = float(inside.min(initial=middle)), float(inside.max(initial=middle))
     margin = 0.06 * (high - low) or 0.05 * abs(middle) or 1.0

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -15,7 +16,7 @@ from repro.files import fill_folder, finite, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.fitting import tables, text
 from repro.fitting.export import horizontal_links_of, links_of, mjcf, urdf
-from repro.fitting.figures import MOST_METHODS, figures_of, ordered_titles
+from repro.fitting.figures import MAX_DRAWN_METHODS, figures_of, ordered_titles
 from repro.fitting.recommend import unusable
 from repro.fitting.result import Curves, Result
 from repro.identification.armfile import Arm
@@ -23,6 +24,7 @@ from repro.identification.extra_terms import ROTOR
 from repro.provenance import write_provenance
 
 METHODS_FILE = Path(__file__).with_name("methods.bib")  # BibTeX entries of the methods
+KEYS = {"calibration_errors": "setup", "calibration_limits": "hidden"}  # of `parameters.json`, by field of a result
 OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt", "runs.csv"}  # files that are written or not, as the result has it
 
 #: BibTeX keys of the intervals, and of the solvers of some methods.
@@ -40,7 +42,7 @@ def write_result(out: Path, result: Result, curves: Curves, arm: Arm, inputs: It
 
 
 def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None:
-    write_json(folder / "parameters.json", finite(asdict(result)))
+    write_json(folder / "parameters.json", finite(as_json(result)))
     write_csv(folder / "parameters.csv", tables.parameters_table(result))
     write_csv(folder / "scores.csv", tables.scores_table(result))
     write_csv(folder / "residuals.csv", tables.residuals_table(result, curves))
@@ -51,6 +53,11 @@ def _write_files(folder: Path, result: Result, curves: Curves, arm: Arm) -> None
     names = sorted(path.name for path in folder.iterdir())
     write_text(folder / "report.html", render_page(result, curves, figures_of(result, curves), names))
     write_provenance(folder / "provenance.json", Path(__file__).parent, 1, fingerprint())
+
+
+def as_json(result: Result) -> dict[str, Any]:
+    """Convert a result to the form of ``parameters.json``."""
+    return {KEYS.get(field, field): value for field, value in asdict(result).items()}
 
 
 def citations(result: Result) -> list[str]:
@@ -130,9 +137,9 @@ def render_page(
     paths = (package.parent / "report" / "report.css", package / "page.css")
     style = Markup("".join(path.read_text(encoding="utf-8") for path in paths))
     jinja = environment(package)
-    own = (symbols, sentence, text.term_line, text.self_test_rows, text.self_test_verdict, text.spread_rows)
-    filters = (*own, tables.rounded, tables.percent, tables.significant)
-    jinja.filters |= {each.__name__: each for each in filters} | {"unit": lambda text: unit(text).md}
+    texts = (symbols, sentence, text.term_line, text.self_test_rows, text.self_test_verdict, text.spread_rows)
+    functions = (*texts, tables.rounded, tables.percent, tables.significant)
+    jinja.filters |= {function.__name__: function for function in functions} | {"unit": lambda text: unit(text).md}
     return jinja.get_template("page.html").render(
         result=result,
         best=best,
@@ -146,7 +153,7 @@ def render_page(
         blocks=tables.blocks(result),
         pictures={name: embedded(content, _SHOWN) for name, content in figures.items()},
         overlays=sum(name.startswith("overlay-") for name in figures),
-        drawn=list(ordered_titles(result).values())[:MOST_METHODS],
+        drawn=list(ordered_titles(result).values())[:MAX_DRAWN_METHODS],
         lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
         allowed=text.ALLOWED,
         allowed_groups=text.ALLOWED_GROUPS,

@@ -78,7 +78,7 @@ class LoadedLog:
 
 @dataclass(frozen=True)
 class PreparedLog:
-    """A fitted log, corrected and filtered; `_finish` subtracts friction, and sets what follows `faults`."""
+    """A fitted log, corrected and filtered; `_finish` subtracts friction and sets the fields after the errors."""
 
     loaded: LoadedLog  # with calibration errors corrected and friction subtracted
     recorded: Log  # as it was loaded
@@ -86,14 +86,14 @@ class PreparedLog:
     settings: filtering.FilterSettings  # filters and delay
     cutoff: filtering.Cutoff  # how the cut-off was chosen
     delay_error: float  # standard error of the delay, s
-    faults: tuple[CalibrationError, ...] = ()  # calibration errors that were corrected
-    hidden: dict[str, float | None] = field(default_factory=dict)  # detection limits, see `calibration_limits`
+    calibration_errors: tuple[CalibrationError, ...] = ()  # those that were corrected
+    calibration_limits: dict[str, float | None] = field(default_factory=dict)  # detection limits of the other errors
     terms: tuple[ExtraTerm, ...] = ()  # terms beyond Eq. 1, of all logs of the arm
     load: Array = field(default_factory=lambda: np.zeros(len(NAMES)))  # parameters that give the load of friction
     doubt: str = ""  # why no interval is claimed from this log alone; empty if it is
 
     @cached_property
-    def moving(self) -> Regression:
+    def without_standstill(self) -> Regression:
         """The regression without standstill."""
         return drop_standstill(self.regression)
 
@@ -183,21 +183,21 @@ def _correct(
     recorded = loaded.log
     settings, chosen, delay_error = _choose_settings(recorded, arm, options, common)
     names = common.names if common else CANDIDATES
-    faults = find_calibration_errors(recorded, settings, others, names)
-    if faults:  # the delay is estimated better from a corrected log, and the errors better with the right delay
-        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(faults)), arm, options, common)
-        faults = find_calibration_errors(recorded, settings, others, names)
-        loaded = replace(loaded, log=correct_calibration(recorded, values_of(faults)))
+    errors = find_calibration_errors(recorded, settings, others, names)
+    if errors:  # the delay is estimated better from a corrected log, and the errors better with the right delay
+        settings, _, _ = _choose_settings(correct_calibration(recorded, values_of(errors)), arm, options, common)
+        errors = find_calibration_errors(recorded, settings, others, names)
+        loaded = replace(loaded, log=correct_calibration(recorded, values_of(errors)))
         settings, chosen, delay_error = _choose_settings(loaded.log, arm, options, common)
-    return PreparedLog(loaded, recorded, filtering.prepare(loaded.log, settings), settings, chosen, delay_error, faults)
+    return PreparedLog(loaded, recorded, filtering.prepare(loaded.log, settings), settings, chosen, delay_error, errors)
 
 
 def _finish(
     log: PreparedLog, arm: Arm, terms: tuple[ExtraTerm, ...], load: Array, others: Sequence[Regression]
 ) -> PreparedLog:
     """Subtract the terms beyond Eq. 1 from a corrected log."""
-    hidden = calibration_limits(log.loaded.log, log.settings, log.faults, others)
-    log = replace(log, hidden=hidden, terms=terms, load=load)
+    limits = calibration_limits(log.loaded.log, log.settings, log.calibration_errors, others)
+    log = replace(log, calibration_limits=limits, terms=terms, load=load)
     if log.taken:
         log = log.change(subtract_terms(log.loaded.log, log.settings, load, log.taken))
     log = replace(log, regression=drop_idle_joints(log.regression))
@@ -220,7 +220,7 @@ def delay_at_limit(delay: float) -> bool:
 
 def _interval_doubt(log: PreparedLog, arm: Arm) -> str:
     """Find a reason to claim no intervals."""
-    left, by_friction = unexplained(log.moving), unexplained(log.moving, FRICTION)
+    left, by_friction = unexplained(log.without_standstill), unexplained(log.without_standstill, FRICTION)
     worst = int(np.argmax(left))
     # Where Eq. 1 predicts little, the motion is not the one that this torque caused, or unmodelled effects caused it.
     if left[worst] > 1.0 - MIN_EXPLAINED:
@@ -243,9 +243,9 @@ def _in_common(logs: Sequence[PreparedLog], arm: Arm) -> _Common:
     """Find what several logs of an arm have in common."""
     # A torque constant is the arm's: its error counts if no log contradicts it that would show it by itself.
     factor = mean_scale(logs)
-    without = [log for log in logs if SCALE not in values_of(log.faults)]
-    shown = (calibration_limits(log.loaded.log, log.settings, log.faults)[SCALE] for log in without)
-    scaled = factor is not None and not any(limit is not None and limit < abs(factor - 1.0) for limit in shown)
+    without_scale = [log for log in logs if SCALE not in values_of(log.calibration_errors)]
+    limits = (calibration_limits(log.loaded.log, log.settings, log.calibration_errors)[SCALE] for log in without_scale)
+    scaled = factor is not None and not any(limit is not None and limit < abs(factor - 1.0) for limit in limits)
     names = tuple(name for name in CANDIDATES if scaled or name != SCALE)
     hertz = min(log.settings.cutoff for log in logs)
     pairs = [(log.loaded.log, replace(log.settings, cutoff=hertz)) for log in logs]
@@ -270,13 +270,13 @@ def _estimate_delay_again(logs: Sequence[PreparedLog], terms: Sequence[ExtraTerm
     return again if len(logs) == 1 else [log.delayed(*_common_delay(again)) for log in again]
 
 
-#: Relative error of an estimate that is compared with a prior, and difference of squared errors that decides.
-COMPARED_ERROR, DECISIVE = 0.05, 4.0
+#: Relative error of an estimate that is compared with a prior, and smallest difference of squared errors that decides.
+COMPARED_ERROR, MIN_DECISIVE_DIFFERENCE = 0.05, 4.0
 
 
 def mean_scale(logs: Sequence[PreparedLog]) -> float | None:
     """Mean scale of the torque of joint 2 of the logs that have one; None without any."""
-    values = [fault.value for log in logs for fault in log.faults if fault.name == SCALE]
+    values = [error.value for log in logs for error in log.calibration_errors if error.name == SCALE]
     return float(np.mean(values)) if values else None
 
 
@@ -288,14 +288,14 @@ def wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
     compared = np.flatnonzero((np.isfinite(prior.sd) & (prior.mean != 0.0))[:5])
     sd = np.hypot(prior.sd, COMPARED_ERROR * prior.mean)[compared]
     second, first = (float(np.sum(((size * beta - prior.mean)[compared] / sd) ** 2)) for size in (1.0, factor))
-    return None if abs(second - first) < DECISIVE else 1 if first < second else 2
+    return None if abs(second - first) < MIN_DECISIVE_DIFFERENCE else 1 if first < second else 2
 
 
 def _find_terms(logs: Sequence[PreparedLog], options: Options) -> tuple[tuple[ExtraTerm, ...], Array]:
     """Find the terms beyond Eq. 1 of all logs; also the parameters that give the load of friction."""
-    moving = joined([log.moving for log in logs])
+    regression = joined([log.without_standstill for log in logs])
     terms = find_terms([(log.loaded.log, log.settings) for log in logs], options.friction)
-    return terms, solve(moving.y, moving.tau)
+    return terms, solve(regression.y, regression.tau)
 
 
 def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:
@@ -308,34 +308,38 @@ def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple
     corrected = [_correct(loaded, arm, options) for loaded in logs]
     common, remaining = _in_common(corrected, arm) if len(logs) > 1 else None, list[int]()
 
-    def others(one: PreparedLog) -> list[Regression]:
-        return [log.moving for log in corrected if log is not one]
+    def others(log: PreparedLog) -> list[Regression]:
+        return [other.without_standstill for other in corrected if other is not log]
 
     def compare(k: int) -> PreparedLog:
         return _correct(logs[k], arm, options, others(corrected[k]), common)
 
     if common is not None:
         corrected = [_correct(loaded, arm, options, (), common) for loaded in logs]
-        for k in [k for k, log in enumerate(corrected) if log.faults]:
+        for k in [k for k, log in enumerate(corrected) if log.calibration_errors]:
             corrected[k] = compare(k)
-        remaining = [k for k, log in enumerate(corrected) if not log.faults]
+        remaining = [k for k, log in enumerate(corrected) if not log.calibration_errors]
     while remaining:
-        found = {k: compare(k) for k in remaining}
-        gains = {k: min(fault.after / fault.before for fault in log.faults) for k, log in found.items() if log.faults}
+        compared = {k: compare(k) for k in remaining}
+        gains = {
+            k: min(error.after / error.before for error in log.calibration_errors)
+            for k, log in compared.items()
+            if log.calibration_errors
+        }
         if not gains:
             break
         most = min(gains, key=gains.__getitem__)
-        corrected[most] = found[most]
+        corrected[most] = compared[most]
         remaining.remove(most)
     hertz = min(log.settings.cutoff for log in corrected)  # a corrected log may need a lower one
     for k, log in enumerate(corrected):
         if (lowered := _lowered(log.cutoff, hertz)) is not log.cutoff:
             corrected[k] = log.change(log.loaded.log, settings=replace(log.settings, cutoff=hertz), cutoff=lowered)
-    moving, factor = joined([log.moving for log in corrected]), mean_scale(corrected)
-    if factor is not None and wrong_torque(options.prior, solve(moving.y, moving.tau), factor) == 1:
+    regression, factor = joined([log.without_standstill for log in corrected]), mean_scale(corrected)
+    if factor is not None and wrong_torque(options.prior, solve(regression.y, regression.tau), factor) == 1:
         for k, log in enumerate(corrected):
-            faults = blame_joint_1(log.faults)
-            corrected[k] = log.change(correct_calibration(log.recorded, values_of(faults)), faults=faults)
+            errors = blame_joint_1(log.calibration_errors)
+            corrected[k] = log.change(correct_calibration(log.recorded, values_of(errors)), calibration_errors=errors)
     terms, load = _find_terms(corrected, options)
     if arm.delay is None and (taken := [term for term in terms if term.taken]):
         corrected = _estimate_delay_again(corrected, taken, load)

@@ -12,7 +12,7 @@ from repro.identification.armfile import Arm
 from repro.identification.regression import Prior
 from repro.model.parameters import NAMES, UNITS
 
-LARGEST, SMALLEST_SD = 1e9, 1e-6  # largest parameter, and smallest standard deviation that is not zero
+MAX_PARAMETER, MIN_SD = 1e9, 1e-6  # largest parameter, and smallest standard deviation that is not zero
 #: Parameters that no arm has below zero; the signs of the others depend on where masses and the zero position are.
 NOT_NEGATIVE = ("I1", "I3", "b1", "b2", "k1", "k2")
 HALF_95 = 1.96  # half of a 95 % interval over its standard deviation
@@ -33,7 +33,7 @@ def read_result(place: str, content: Any) -> list[dict[str, Any]]:  # noqa: ANN4
         for key, wanted in (("name", NAMES[k]), ("unit", UNITS[k])):
             if row.get(key) != wanted:
                 raise InputError.at(f"{place}[{k}].{key}", ascii(row.get(key))[:60], repr(wanted))
-        _number(f"{place}[{k}].estimate", row.get("estimate"), -LARGEST)
+        _number(f"{place}[{k}].estimate", row.get("estimate"), -MAX_PARAMETER)
     return parameters
 
 
@@ -45,10 +45,10 @@ def read_prior(source: str | Path | Mapping[str, Any]) -> Prior:
         for k, parameter in enumerate(read_result(place, content)):
             ends = {end: parameter.get(end) for end in ("low", "high")}
             if None not in ends.values():
-                low, high = (_number(f"{place}: {NAMES[k]}.{end}", x, -LARGEST) for end, x in ends.items())
+                low, high = (_number(f"{place}: {NAMES[k]}.{end}", x, -MAX_PARAMETER) for end, x in ends.items())
                 if low > high:
                     raise InputError.at(f"{place}: {NAMES[k]}.low", low, f"a number up to high, {high}")
-                mean[k], sd[k] = parameter["estimate"], max((high - low) / (2.0 * HALF_95), SMALLEST_SD)
+                mean[k], sd[k] = parameter["estimate"], max((high - low) / (2.0 * HALF_95), MIN_SD)
     elif isinstance(content, Mapping):
         for name, entry in content.items():
             if name not in NAMES:
@@ -56,11 +56,11 @@ def read_prior(source: str | Path | Mapping[str, Any]) -> Prior:
             if not isinstance(entry, Mapping) or set(entry) != {"value", "sd"}:
                 expected = "value and sd, such as {'value': 1, 'sd': 0.1}"
                 raise InputError.at(f"{place}: {name}", ascii(entry)[:60], expected)
-            k, least = NAMES.index(name), 0.0 if name in NOT_NEGATIVE else -LARGEST
+            k, least = NAMES.index(name), 0.0 if name in NOT_NEGATIVE else -MAX_PARAMETER
             mean[k] = _number(f"{place}: {name}.value", entry["value"], least)
             sd[k] = _number(f"{place}: {name}.sd", entry["sd"], 0.0)
-            if 0.0 < sd[k] < SMALLEST_SD:
-                expected = f"0 for a known value, or {SMALLEST_SD:g} and more"
+            if 0.0 < sd[k] < MIN_SD:
+                expected = f"0 for a known value, or {MIN_SD:g} and more"
                 raise InputError.at(f"{place}: {name}.sd", entry["sd"], expected)
     if not np.isfinite(sd).any():
         raise InputError.at(place, "no parameter with a standard deviation", "a result with intervals, or value and sd")
@@ -80,7 +80,7 @@ def with_plane(prior: Prior | None, arm: Arm) -> Prior | None:
 
 def _number(place: str, value: object, least: float) -> float:
     number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-    if not (number and least <= value <= LARGEST):  # type: ignore[operator]
-        sizes = f"of at most {LARGEST:g}" if least < 0.0 else f"from 0 to {LARGEST:g}"
+    if not (number and least <= value <= MAX_PARAMETER):  # type: ignore[operator]
+        sizes = f"of at most {MAX_PARAMETER:g}" if least < 0.0 else f"from 0 to {MAX_PARAMETER:g}"
         raise InputError.at(place, repr(value)[:60], f"a number {sizes}")
     return float(value)  # type: ignore[arg-type]

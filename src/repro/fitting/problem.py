@@ -30,8 +30,8 @@ class IdentificationProblem:
 
     logs: tuple[PreparedLog, ...]  # the logs to fit, each with its own filters
     regression: Regression  # all of them together
-    moving: Regression  # the same without standstill, with subtracted terms projected out: methods are fitted to it
-    as_good: dict[str, Perturbation]  # `moving` with other choices that are as plausible
+    without_standstill: Regression  # the same for fits: standstill masked, and subtracted terms projected out
+    perturbations: dict[str, Perturbation]  # `without_standstill` under other plausible choices of the analysis
     validation: tuple[tuple[LoadedLog, Regression], ...]  # logs to predict, corrected and filtered as the first log
     excited: Identifiability  # which parameters the motion identifies
     estimates_delay: bool  # whether the delay is estimated from the log
@@ -43,8 +43,8 @@ class IdentificationProblem:
         pairs = []
         for log in self.logs if len(self.logs) > 1 else ():
             others = [other for other in self.logs if other is not log]
-            moving = [other.moving for other in others]
-            rest = join_logs(others, self.prior)[0] if self.prior else joined(moving, _weights(others))
+            regressions = [other.without_standstill for other in others]
+            rest = join_logs(others, self.prior)[0] if self.prior else joined(regressions, _weights(others))
             if excitation(rest).rank == self.excited.rank:
                 pairs.append((log, rest))
         return tuple(pairs)
@@ -66,17 +66,21 @@ MAX_ERROR_RATIO = 3.0
 
 def _weights(logs: Sequence[PreparedLog]) -> list[float]:
     """Weigh the rows of each of several logs: one with large errors counts less."""
-    size = [float(np.sqrt(mean_variance(log.moving, solve(log.moving.y, log.moving.tau)))) for log in logs]
-    return [min(1.0, MAX_ERROR_RATIO * min(size) / one) if one > 0.0 else 1.0 for one in size]
+    regressions = [log.without_standstill for log in logs]
+    errors = [float(np.sqrt(mean_variance(r, solve(r.y, r.tau)))) for r in regressions]
+    return [min(1.0, MAX_ERROR_RATIO * min(errors) / error) if error > 0.0 else 1.0 for error in errors]
 
 
-def _subtracted_columns(whole: Regression, logs: Sequence[tuple[WeightedLog, PreparedLog]]) -> Array:
+def _subtracted_columns(regression: Regression, logs: Sequence[tuple[WeightedLog, PreparedLog]]) -> Array:
     """Compute the columns (2, n, k) of all terms that were subtracted from at least one of the joined logs."""
-    taken = list({term.name: term for _, one in logs for term in one.taken}.values())
+    taken = list({term.name: term for _, prepared in logs for term in prepared.taken}.values())
     if not taken:
-        return np.empty((*whole.tau.shape, 0))
-    each = [log.weight * term_columns(TERMS, log.log, log.settings, one.load, taken) for log, one in logs]
-    return np.concatenate(each, axis=1)
+        return np.empty((*regression.tau.shape, 0))
+    columns = [
+        weighted.weight * term_columns(TERMS, weighted.log, weighted.settings, prepared.load, taken)
+        for weighted, prepared in logs
+    ]
+    return np.concatenate(columns, axis=1)
 
 
 def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
@@ -85,43 +89,46 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
     weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
     pairs = list(zip(weighted, logs, strict=True))
     # The values of what was subtracted have errors, so that its columns are projected out.
-    whole = joined([log.moving for log in logs], weights)
-    subtracted = _subtracted_columns(whole, pairs)
-    moving = uncertainty.project_out(whole, subtracted)
-    as_good = uncertainty.perturbations(weighted, whole, max(log.delay_error for log in logs))
-    if any(log.faults for log in logs):
-        beta = solve(moving.y, moving.tau)
+    unprojected = joined([log.without_standstill for log in logs], weights)
+    subtracted = _subtracted_columns(unprojected, pairs)
+    regression = uncertainty.project_out(unprojected, subtracted)
+    perturbations = uncertainty.perturbations(weighted, unprojected, max(log.delay_error for log in logs))
+    if any(log.calibration_errors for log in logs):
+        beta = solve(regression.y, regression.tau)
         columns = [
-            log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, one.faults) for log, one in pairs
+            log.weight * term_columns(CALIBRATION, log.log, log.settings, beta, prepared.calibration_errors)
+            for log, prepared in pairs
         ]
-        both = np.concatenate([subtracted, uncertainty.of_each_log(columns)], axis=-1)
-        as_good["set-up"] = Perturbation((uncertainty.project_out(whole, both),))
-        recorded = [replace(log, log=one.recorded) for log, one in pairs]
-        instead = uncertainty.unmodelled_effects(recorded, uncertainty.join_filtered(recorded), whole)
-        as_good |= {f"{name}, no correction": effect for name, effect in instead.items()}
+        columns_of_all = np.concatenate([subtracted, uncertainty.of_each_log(columns)], axis=-1)
+        perturbations["calibration"] = Perturbation((uncertainty.project_out(unprojected, columns_of_all),))
+        recorded = [replace(log, log=prepared.recorded) for log, prepared in pairs]
+        instead = uncertainty.unmodelled_effects(recorded, uncertainty.join_filtered(recorded), unprojected)
+        perturbations |= {f"{name}, no correction": effect for name, effect in instead.items()}
         factor = mean_scale(logs)
         if factor is not None and wrong_torque(prior, beta, factor) is None:
-            scaled = moving.change(lambda y: y / factor)
-            as_good[SCALE_OF_JOINT_1] = Perturbation((scaled,), rival=True)
-    return (moving, as_good) if prior is None else uncertainty.attach_prior(prior, moving, as_good)
+            scaled = regression.change(lambda y: y / factor)
+            perturbations[SCALE_OF_JOINT_1] = Perturbation((scaled,), rival=True)
+    if prior is None:
+        return regression, perturbations
+    return uncertainty.attach_prior(prior, regression, perturbations)
 
 
 def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:
     """Correct a log by the errors that all logs have, with the values of the first, and subtract its terms."""
-    first, names = logs[0], [values_of(log.faults) for log in logs]
-    common = {name: value for name, value in names[0].items() if all(name in each for each in names)}
-    right = correct_calibration(log, common)
-    return subtract_terms(right, first.settings, first.load, first.taken) if first.taken else right
+    first, values = logs[0], [values_of(log.calibration_errors) for log in logs]
+    common = {name: value for name, value in values[0].items() if all(name in of_log for of_log in values)}
+    corrected = correct_calibration(log, common)
+    return subtract_terms(corrected, first.settings, first.load, first.taken) if first.taken else corrected
 
 
 def _check_distinct(fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog]) -> None:
     """Refuse a log with the samples of one that is fitted."""
     places = [log.name for log in fitted] + [f"validate: {log.name}" for log in validation]
-    for k, one in enumerate((*fitted, *validation)):
-        for other in fitted[:k]:
-            if np.array_equal(one.log.q, other.log.q) and np.array_equal(one.log.tau, other.log.tau):
+    for k, loaded in enumerate((*fitted, *validation)):
+        for earlier in fitted[:k]:
+            if np.array_equal(loaded.log.q, earlier.log.q) and np.array_equal(loaded.log.tau, earlier.log.tau):
                 expected = "each log once" if k < len(fitted) else "a log of another motion"
-                raise InputError.at(places[k], f"the samples of {other.name}", expected)
+                raise InputError.at(places[k], f"the samples of {earlier.name}", expected)
 
 
 def make_problem(
@@ -136,14 +143,21 @@ def make_problem(
         check_rate(loaded.log, first.cutoff)
     predicted = tuple((loaded, prepare(loaded.log, first.settings)) for loaded in validation)
     prior = with_plane(options.prior, arm)
-    moving, as_good = join_logs(logs, prior)
-    regression = joined([log.regression for log in logs])
-    excited = excitation(moving)
-    return IdentificationProblem(logs, regression, moving, as_good, predicted, excited, arm.delay is None, prior)
+    without_standstill, perturbations = join_logs(logs, prior)
+    return IdentificationProblem(
+        logs=logs,
+        regression=joined([log.regression for log in logs]),
+        without_standstill=without_standstill,
+        perturbations=perturbations,
+        validation=predicted,
+        excited=excitation(without_standstill),
+        estimates_delay=arm.delay is None,
+        prior=prior,
+    )
 
 
 def single_problem(problem: IdentificationProblem, log: PreparedLog) -> IdentificationProblem:
     """Give the problem of one of its logs by itself, prepared as it is among the others."""
-    moving, as_good = join_logs((log,), problem.prior)
-    alone = replace(problem, logs=(log,), regression=log.regression, validation=(), excited=excitation(moving))
-    return replace(alone, moving=moving, as_good=as_good)
+    regression, perturbations = join_logs((log,), problem.prior)
+    alone = replace(problem, logs=(log,), regression=log.regression, validation=(), excited=excitation(regression))
+    return replace(alone, without_standstill=regression, perturbations=perturbations)

@@ -1,7 +1,7 @@
 """Which method's parameters to use, and warnings about the result as a whole."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from operator import itemgetter
 
 import numpy as np
@@ -15,23 +15,31 @@ from repro.identification.least_squares import METHODS
 from repro.identification.regression import solve
 from repro.identification.scores import driven, relative_rms
 
-#: Above these a result deserves a warning: condition number, friction correlation, residual autocorrelation,
-#: validation error over fit error, relative RMS error of the fit.
-CONDITION, CORRELATION, AUTOCORRELATION, WORSE, POOR = 100.0, 0.9, 0.5, 2.0, 0.3
-USELESS = 0.5  # relative torque error, fit or prediction, above which parameters must not be used
-SMALL = 0.1  # prediction errors, relative RMS, up to which `WORSE` is not applied
-#: A network's validation error over the best of least squares above which a note explains it; fits whose similarities
-#: differ by less than the second are equally good.
-WORSE_THAN_BEST, SAME_FIT = 1.05, 0.005
-#: Standard deviations of the prior between its mean and the estimate, above which they contradict each other.
-CONTRADICTION = 3.0
-FREED = 0.8  # torque error without a known parameter, over that with it, below which the log contradicts it
-LENGTH_RATIO = 1.25  # ratio of the implied length of link 1 to the given one that is left to errors of the given one
-EARLY = -0.005  # a delay below this is no drive's, s
-SHORT = 15.0  # a log of fewer seconds deserves a warning
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits beyond which a result deserves a warning or a note, and those within which errors are equally good."""
+
+    max_condition: float = 100.0  # condition number of the regressor
+    max_friction_correlation: float = 0.9  # correlation of viscous and Coulomb friction of a joint
+    max_autocorrelation: float = 0.5  # of the residual, one period of the cut-off apart
+    max_fit_error: float = 0.3  # relative RMS torque error of the fit
+    max_usable_error: float = 0.5  # relative RMS torque error, fit or prediction, of parameters that may be used
+    max_prediction_over_fit: float = 2.0  # prediction error over fit error
+    max_good_prediction_error: float = 0.1  # relative RMS: up to it `max_prediction_over_fit` does not apply
+    max_network_over_best: float = 1.05  # validation error of a network over that of the best least squares
+    max_similarity_loss: float = 0.005  # loss of similarity, fraction of 1, up to which fits are equally good
+    max_prior_deviation: float = 3.0  # standard deviations of the prior between its mean and the estimate
+    min_free_over_known: float = 0.8  # torque error without a known parameter over that with it
+    max_length_ratio: float = 1.25  # implied over given length of link 1, or its inverse
+    min_delay_s: float = -0.005  # delay of the torque: no drive has one below this
+    min_length_s: float = 15.0  # length of the logs together
+    max_equal_ratio: float = 1.01  # ratio of errors that are equally good
+
+
+LIMITS = Limits()
 #: What to type for a motion that shows more.
 EXCITE = "record the motion that repro excite --arm arm.yaml -o OUT (Python: repro.excite) designs"
-EQUAL = 1.01  # errors that differ by less than this factor are equally good
 
 
 def prediction_error(method: MethodResult) -> float:
@@ -48,7 +56,7 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     errors = [prediction_error(m) for m in able]
     if min(errors) == np.inf:
         errors = [float(np.mean(m.fit.relative_rms)) for m in able]
-    best = next(m for m, error in zip(able, errors, strict=True) if error <= EQUAL * min(errors))
+    best = next(m for m, error in zip(able, errors, strict=True) if error <= LIMITS.max_equal_ratio * min(errors))
     if not consistent:
         return best.method, "none of the methods gives physically consistent parameters; this one predicts best"
     if len(methods) == 1:
@@ -74,10 +82,11 @@ def compare_networks(methods: Sequence[MethodResult], networks: Sequence[str]) -
 def _comparison(method: MethodResult, best: MethodResult) -> str:
     ratio = prediction_error(method) / max(prediction_error(best), np.finfo(np.float64).tiny)
     note = f"mean validation error {ratio:.3g} times that of the best least squares ({best.method})"
-    if ratio <= WORSE_THAN_BEST:
+    if ratio <= LIMITS.max_network_over_best:
         return note
     gap = float(np.mean(method.fit.similarity) - np.mean(best.fit.similarity))
-    reason = "the similarity that it maximises does not show the difference" if gap > -SAME_FIT else "it fits worse"
+    equal = gap > -LIMITS.max_similarity_loss
+    reason = "the similarity that it maximises does not show the difference" if equal else "it fits worse"
     more = "higher" if gap > 0 else "lower"
     return f"{note}; on the fitted log its similarity is {100 * abs(gap):.2g} points {more}: {reason}"
 
@@ -98,7 +107,8 @@ def unusable(method: MethodResult) -> str:
         return f"the parameters are not physically consistent: {method.why_not_consistent}"
     judged = [score for kind, score in method.scores if kind != "half" or not method.validation]
     worst, where = max((max(score.relative_rms), score.log) for score in judged)
-    return f"Eq. 1 leaves up to {100 * worst:.0f} % of a torque unexplained ({where})" if worst > USELESS else ""
+    found = f"Eq. 1 leaves up to {100 * worst:.0f} % of a torque unexplained ({where})"
+    return found if worst > LIMITS.max_usable_error else ""
 
 
 def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
@@ -109,22 +119,22 @@ def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[s
 
 def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
     """Warn of a prior that the log contradicts: of a known parameter, because the torque is rebuilt better without."""
-    prior, r, every = problem.prior, problem.moving, np.arange(len(method.parameters))
+    prior, r, numbers = problem.prior, problem.without_standstill, np.arange(len(method.parameters))
     if prior is None:
         return
     given = float(np.mean(relative_rms(r, np.array([p.estimate for p in method.parameters]))))
     for k in np.flatnonzero(prior.known).tolist():
-        free = replace(r, prior=replace(prior, sd=np.where(every == k, np.inf, prior.sd)))
+        free = replace(r, prior=replace(prior, sd=np.where(numbers == k, np.inf, prior.sd)))
         beta = METHODS["ordinary"].estimate(free).beta
         error = float(np.mean(relative_rms(r, beta)))
-        if error < FREED * given:
+        if error < LIMITS.min_free_over_known * given:
             p, change = method.parameters[k], f"torque error {100 * error:.3g} instead of {100 * given:.3g} %"
             known = f"{p.name} = {prior.mean[k]:.4g} {p.unit}"
             yield f"the log contradicts {known}, which is given as known: left out it is {beta[k]:.4g} ({change})"
     for k in prior.informative:
         p, mean, sd = method.parameters[k], prior.mean[k], prior.sd[k]
         inside = p.low is not None and p.high is not None and p.low <= mean <= p.high
-        if abs(p.estimate - mean) > CONTRADICTION * sd and not inside:
+        if abs(p.estimate - mean) > LIMITS.max_prior_deviation * sd and not inside:
             found = f"{mean:.4g} +- {2.0 * sd:.2g} {p.unit} becomes {p.estimate:.4g}"
             yield f"the log contradicts the prior of {p.name}: {found}; check the prior, or leave {p.name} out of it"
 
@@ -136,7 +146,8 @@ def wrong_length(method: MethodResult, arm: Arm) -> Iterator[str]:
         return
     given, *implied = arm.link_lengths[0], *(i2.low / g2.high, i2.estimate / g2.estimate, i2.high / g2.low)
     low, length, high = (0.5 * arm.gravity * ratio for ratio in implied)
-    if g2.low > 0.0 and low > 0.0 and (low > LENGTH_RATIO * given or high < given / LENGTH_RATIO):
+    differs = low > LIMITS.max_length_ratio * given or high < given / LIMITS.max_length_ratio
+    if g2.low > 0.0 and low > 0.0 and differs:
         found = f"I2 and g2 imply l1 = {length:.3g} m, and the arm file states {given:.3g} m"
         reason = f"times that are {np.sqrt(length / given):.2g} times the true ones explain it"
         yield f"{found}: check link_lengths and the unit of time ({reason})"
@@ -155,13 +166,13 @@ def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[s
 def _poor_excitation(excitation: Excitation, method: MethodResult) -> Iterator[str]:
     if excitation.rank < 9:
         yield f"the motion determines only {excitation.rank} combinations of the nine parameters: {EXCITE}"
-    elif excitation.condition > CONDITION:
+    elif excitation.condition > LIMITS.max_condition:
         found = f"condition number {excitation.condition:.3g}"
         yield f"the motion hardly distinguishes the parameters ({found}): {EXCITE}"
     for joint, correlation in enumerate(excitation.friction_correlation, start=1):
         parameters = (method.parameters[4 + joint], method.parameters[6 + joint])
         known = all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in parameters)
-        if abs(correlation) > CORRELATION and not known:
+        if abs(correlation) > LIMITS.max_friction_correlation and not known:
             found = f"viscous and Coulomb friction of joint {joint} are hard to distinguish"
             remedy = f"record slow and fast motion in one log, or give {option('method', 'parsimonious')}"
             yield f"{found} (correlation {correlation:.2f}): {remedy}"
@@ -170,20 +181,20 @@ def _poor_excitation(excitation: Excitation, method: MethodResult) -> Iterator[s
 def _poor_scores(method: MethodResult) -> Iterator[str]:
     """Warn of a poor fit, of residuals that are not white, and of predictions much worse than the fit."""
     fit = max(method.fit.relative_rms)
-    if fit > POOR:
+    if fit > LIMITS.max_fit_error:
         found = f"{100 * fit:.3g} % of the torque of joint {method.fit.relative_rms.index(fit) + 1} unexplained"
         remedy = "check units, sign and zero in the arm file; if they are right, unmodelled effects are as large"
         yield f"Eq. 1 leaves {found}: {remedy}"
-    if abs(worst := max(method.whiteness, key=abs)) > AUTOCORRELATION:
+    if abs(worst := max(method.whiteness, key=abs)) > LIMITS.max_autocorrelation:
         reason = "Eq. 1 does not model this friction or flexibility"
         remedy = f"compare with {option('friction')} and {option('self-test')}"
         yield f"residuals are far from white (autocorrelation {worst:.2f}): {reason}; {remedy}"
     worst = max((max(s.relative_rms) for s in method.validation), default=0.0)
-    if worst > max(WORSE * fit, SMALL):
+    if worst > max(LIMITS.max_prediction_over_fit * fit, LIMITS.max_good_prediction_error):
         found = f"reaches {100 * worst:.3g} %, on the fitted log {100 * fit:.3g} %: the logs excite different effects"
         yield f"on the validation logs the torque error {found}; fit both, and validate on a third"
     half = max((max(s.relative_rms) for s in method.halves if s.log in HALVES), default=0.0)
-    if half > max(WORSE * fit, SMALL):
+    if half > max(LIMITS.max_prediction_over_fit * fit, LIMITS.max_good_prediction_error):
         found = f"one half of the log predicts the other with a torque error of {100 * half:.0f} %"
         reason = "the log is too short, or something changed during it"
         yield f"{found}: {reason}; record a longer one, or fit several logs"
@@ -196,17 +207,19 @@ def disagreeing(problem: IdentificationProblem, method: MethodResult) -> Iterato
     if not left_out:
         return
     predicted, log = max(left_out, key=itemgetter(0))
-    own = max(relative_rms(log.regression, solve(log.moving.y, log.moving.tau)))
-    if predicted > max(WORSE * own, SMALL):
-        found = f"its torque error is {100 * predicted:.3g} % predicted from them, and {100 * own:.3g} % fitted alone"
+    regression = log.without_standstill
+    alone = max(relative_rms(log.regression, solve(regression.y, regression.tau)))
+    if predicted > max(LIMITS.max_prediction_over_fit * alone, LIMITS.max_good_prediction_error):
+        found = f"its torque error is {100 * predicted:.3g} % predicted from them, and {100 * alone:.3g} % fitted alone"
         yield f"the log {log.loaded.name} disagrees with the others: {found}; leave it out if the arm changed"
 
 
 def _short(problem: IdentificationProblem) -> Iterator[str]:
     pieces = [piece for log in problem.logs for piece in log.loaded.log.pieces]
     length = sum(float(piece.t[-1] - piece.t[0]) for piece in pieces)
-    if length < SHORT:
-        yield f"the log is short, {length:.3g} s: the intervals are reliable from {SHORT:g} s on; record more"
+    if length < LIMITS.min_length_s:
+        reason = f"the intervals are reliable from {LIMITS.min_length_s:g} s on"
+        yield f"the log is short, {length:.3g} s: {reason}; record more"
 
 
 def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
@@ -217,7 +230,7 @@ def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
         if delay_at_limit(log.settings.delay):
             found = f"at the end of the search range ({delay}): check the time stamps"
             yield f"the delay of the torque{where} is {found}, then give delay (s) in the arm file"
-        elif log.settings.delay < EARLY:
+        elif log.settings.delay < LIMITS.min_delay_s:
             found = f"the delay of the torque{where} is {delay}, as if it acted before it was recorded"
             reason = "either the stamps of position and torque differ, or the log does not determine it"
             yield f"{found}: {reason} (arm file: delay)"

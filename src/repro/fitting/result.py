@@ -152,11 +152,11 @@ class Result:
     reason: str
     warnings: tuple[str, ...] = ()  # about the result as a whole
     more_logs: tuple[Description, ...] = ()  # logs that were fitted together with `log`
-    # Of `log` and of each of `more_logs`: calibration errors that were corrected before the fit, those that the log
-    # could contain undetected with their detection limits, and terms beyond Eq. 1 that were subtracted or would help:
-    # those of the arm, the same for each log.
-    setup: tuple[tuple[CalibrationError, ...], ...] = ()
-    hidden: tuple[dict[str, float | None], ...] = ()
+    # Of `log` and of each of `more_logs`: calibration errors that were corrected before the fit, detection limits of
+    # those that the log could contain undetected, and terms beyond Eq. 1 that were subtracted or would help: those of
+    # the arm, the same for each log.
+    calibration_errors: tuple[tuple[CalibrationError, ...], ...] = ()
+    calibration_limits: tuple[dict[str, float | None], ...] = ()
     friction: tuple[tuple[ExtraTerm, ...], ...] = ()
     selftest: SelfTest | None = None
     prior: dict[str, dict[str, float]] = field(default_factory=dict)  # value and sd of each parameter with a prior
@@ -166,12 +166,12 @@ class Result:
     def spread(self) -> tuple[Spread, ...]:
         """The nine parameters from log to log; empty unless two logs could be fitted by themselves."""
         rows = []
-        for whole, *alone in zip(self.best.parameters, *(run.parameters for run in self.runs), strict=True):
+        for together, *alone in zip(self.best.parameters, *(run.parameters for run in self.runs), strict=True):
             estimates = tuple(p.estimate for p in alone)
             ends = [(p.low, p.high) for p in alone if p.low is not None and p.high is not None]
             agree = max(low for low, _ in ends) <= min(high for _, high in ends) if len(ends) > 1 else None
             span = max(estimates, default=0.0) - min(estimates, default=0.0)
-            rows.append(Spread(whole.name, whole.unit, whole.estimate, estimates, span, agree))
+            rows.append(Spread(together.name, together.unit, together.estimate, estimates, span, agree))
         return tuple(rows) if len(self.runs) > 1 else ()
 
     @property

@@ -24,7 +24,7 @@ _HEADINGS = {
     "log": "Left out: {}, predicted from the other logs",
     "validation": "Validation: {}, not used for the fit",
 }
-_LOWEST_POWER, _HIGHEST_POWER = -4, 5  # powers of ten outside these are written as such
+_MIN_POWER, _MAX_POWER = -4, 5  # powers of ten outside this range are written as such
 
 
 def parameters_table(result: Result) -> pd.DataFrame:
@@ -69,10 +69,10 @@ def escape_formula(name: str) -> str:
 
 
 #: A rounded number, and whether it is the best of its column in its block.
-Cell = tuple[str, bool]
+ScoreCell = tuple[str, bool]
 #: A heading that names a log and its use, and the methods that have scores on it: each with the cells of relative RMS,
 #: similarity and position error, joint 1 and 2 of each.
-Block = tuple[str, list[tuple[MethodResult, tuple[Cell, ...]]]]
+Block = tuple[str, list[tuple[MethodResult, tuple[ScoreCell, ...]]]]
 
 
 def predictions(method: MethodResult) -> list[tuple[str, list[str]]]:
@@ -105,7 +105,7 @@ def _texts(score: Score) -> list[str]:
     return [NOTHING if number is None else form(number) for pair, form in pairs for number in pair]
 
 
-def _column(place: int, scores: Sequence[Score], marked: bool) -> list[Cell]:
+def _column(place: int, scores: Sequence[Score], marked: bool) -> list[ScoreCell]:
     """Fill one column; a larger similarity is better, a smaller error is."""
     pairs = [(_numbers(score)[place // 2][place % 2], _texts(score)[place]) for score in scores]
     known = [(number, text) for number, text in pairs if number is not None]
@@ -170,7 +170,7 @@ def _power(value: float) -> int:
 
 def _print(values: Sequence[float | None], power: int, last: int) -> tuple[list[str], str]:
     """Print numbers (None is empty) to the digit of a power of ten, over `power` if far from 1, and that power."""
-    scaled = not _LOWEST_POWER <= power <= _HIGHEST_POWER
+    scaled = not _MIN_POWER <= power <= _MAX_POWER
     scale, decimals = 10.0**power if scaled else 1.0, min(max(0, (power if scaled else 0) - last), 12)
     # + 0.0: no negative zero
     texts = ["" if value is None else f"{round(value / scale, decimals) + 0.0:.{decimals}f}" for value in values]

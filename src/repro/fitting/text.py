@@ -26,7 +26,7 @@ ALLOWED = (
     f"{', '.join(UNMODELLED_EFFECTS)}, "
     "one of these effects at a time; not for a wrong scale of both torques"
 )
-KNOWN = 0.5  # half an interval over the estimate: up to this the parameter is known
+MAX_KNOWN_SHARE = 0.5  # half an interval over the estimate, up to which the parameter is known
 NOTHING = "\N{EN DASH}"  # cell without a number
 NOT_EXCITED = "not excited by this motion"
 FIXED = "not estimated: given as known"
@@ -38,7 +38,7 @@ DIFFERENT_ERRORS = (
     "between the logs, or one of the logs shows too little"
 )
 #: Calibration errors by their names without the joint.
-KINDS = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}
+CALIBRATION_LABELS = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}
 
 
 def verdict(
@@ -62,7 +62,7 @@ def verdict(
     if low <= 0.0 <= high:
         return "cannot be distinguished from zero" if excited else NOT_EXCITED
     share = 0.5 * (high - low) / abs(estimate)
-    known = f"known to {_round_up(share)} %" if share <= KNOWN else "sign known, size only roughly"
+    known = f"known to {_round_up(share)} %" if share <= MAX_KNOWN_SHARE else "sign known, size only roughly"
     return known if possible else IMPOSSIBLE
 
 
@@ -93,21 +93,21 @@ def calibration_warnings(logs: Sequence[PreparedLog], arm: Arm, scale_open: bool
     for log in logs:
         where = f"in {log.loaded.name} " if len(logs) > 1 else ""
         misread = any(line.startswith(READS_BETTER) for line in log.loaded.description.warnings)
-        lines += [f"{where}{line}" for line in calibration_lines(log.faults, arm, scale_open, misread)]
-    if not all(_same_errors(log.faults, logs[0].faults) for log in logs):
+        lines += [f"{where}{line}" for line in calibration_lines(log.calibration_errors, arm, scale_open, misread)]
+    if not all(_same_errors(log.calibration_errors, logs[0].calibration_errors) for log in logs):
         lines.append(DIFFERENT_ERRORS)
     return (*lines, *(term_line(term) for term in logs[0].terms if not term.taken))
 
 
-def _same_errors(some: Sequence[CalibrationError], others: Sequence[CalibrationError]) -> bool:
+def _same_errors(first: Sequence[CalibrationError], second: Sequence[CalibrationError]) -> bool:
     """Whether two logs have the same calibration errors within their uncertainty."""
-    pairs = list(zip(some, others, strict=False))
-    same = [a.name for a in some] == [b.name for b in others]
-    return same and all(abs(a.value - b.value) <= MIN_Z_SCORE * np.hypot(a.error, b.error) for a, b in pairs)
+    pairs = list(zip(first, second, strict=False))
+    same_names = [a.name for a in first] == [b.name for b in second]
+    return same_names and all(abs(a.value - b.value) <= MIN_Z_SCORE * np.hypot(a.error, b.error) for a, b in pairs)
 
 
 def calibration_lines(
-    faults: Sequence[CalibrationError], arm: Arm, scale_open: bool, misread: bool = False
+    errors: Sequence[CalibrationError], arm: Arm, scale_open: bool, misread: bool = False
 ) -> tuple[str, ...]:
     """Report each calibration error of a log, then the lines to write into the arm file.
 
@@ -115,25 +115,25 @@ def calibration_lines(
     that reads better with another convention are not to be corrected before it is tried.
     """
     lines = []
-    for fault in faults:
-        joint, size = fault.name[-1], _size(fault.name, fault.value, arm, fault.error)
+    for error in errors:
+        joint, size = error.name[-1], _size(error.name, error.value, arm, error.error)
         problem = {
             "zero": f"the zero of joint {joint} is {size} off",
             "offset": f"the torque of joint {joint} has an offset of {size}",
             "scale": f"the torque of joint {joint} is {size} what joint {3 - int(joint)} implies",
-        }[fault.kind]
-        if fault.instead:
-            others = (f"the {KINDS[n[:-1]]} of joint {n[-1]}: {_size(n, x, arm)}" for n, x in fault.instead.items())
-            problem += f" (this log can hardly distinguish it from {', or '.join(others)})"
-        before, after = 100.0 * fault.before, 100.0 * fault.after
+        }[error.kind]
+        if error.instead:
+            rivals = (f"the {_label(name)}: {_size(name, value, arm)}" for name, value in error.instead.items())
+            problem += f" (this log can hardly distinguish it from {', or '.join(rivals)})"
+        before, after = 100.0 * error.before, 100.0 * error.after
         lines.append(f"{problem}; the correction reduces the torque error from {before:.1f} to {after:.1f} %")
     if lines and misread:
         remedy = "try the other convention first: it may leave no error"
         return (*lines, f"this fit corrects it as the log is read now; {remedy}")
     if lines:
-        lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(faults, arm)}")
-    if scale_open and any(fault.name == SCALE for fault in faults):
-        instead = arm_lines([fault for fault in blame_joint_1(faults) if fault.name == OTHER_SCALE], arm)
+        lines.append(f"this fit corrects it; to correct it for good, write into the arm file: {arm_lines(errors, arm)}")
+    if scale_open and any(error.name == SCALE for error in errors):
+        instead = arm_lines([error for error in blame_joint_1(errors) if error.name == OTHER_SCALE], arm)
         lines.append(
             "a log cannot determine which torque constant is wrong: the estimates are right if it is that of joint 2; "
             f"if it is that of joint 1, write {instead} instead; a known parameter decides: {option('prior', 'FILE')}"
@@ -141,9 +141,9 @@ def calibration_lines(
     return tuple(lines)
 
 
-def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> str:
+def arm_lines(errors: Sequence[CalibrationError], arm: Arm) -> str:
     """Write the lines of the arm file that correct a log, all errors together."""
-    values = values_of(faults)
+    values = values_of(errors)
     turn, offset, scale = (
         np.array([values.get(f"{name}{joint}", kind.neutral) for joint in (1, 2)]) for name, kind in CALIBRATION.items()
     )
@@ -155,9 +155,14 @@ def arm_lines(faults: Sequence[CalibrationError], arm: Arm) -> str:
         "torque_offset": np.array(arm.torque_offset) + torque_sign * offset * np.array(arm.torque_scale),
         "torque_scale": np.array(arm.torque_scale) * scale,
     }
-    found = {fault.kind for fault in faults}
+    kinds = {error.kind for error in errors}
     lines = zip(CALIBRATION, corrected.items(), strict=True)
-    return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for kind, (key, pair) in lines if kind in found)
+    return "; ".join(f"{key}: [{pair[0]:.4g}, {pair[1]:.4g}]" for kind, (key, pair) in lines if kind in kinds)
+
+
+def _label(name: str) -> str:
+    """Name a calibration error with its joint."""
+    return f"{CALIBRATION_LABELS[name[:-1]]} of joint {name[-1]}"
 
 
 def _size(name: str, value: float, arm: Arm, error: float | None = None) -> str:
@@ -195,10 +200,10 @@ def term_line(term: ExtraTerm) -> str:
 def detection_limits(result: Result) -> tuple[str, ...]:
     """Report which calibration errors each fitted log could contain undetected."""
     lines = []
-    for log, hidden in zip(result.fitted_logs, result.hidden, strict=False):
-        if hidden:
+    for log, limits in zip(result.fitted_logs, result.calibration_limits, strict=False):
+        if limits:
             which = log.name if result.more_logs else "this log"
-            errors = (f"{KINDS[n[:-1]]} of joint {n[-1]} {_limit(n[:-1], size)}" for n, size in hidden.items())
+            errors = (f"{_label(name)} {_limit(name[:-1], limit)}" for name, limit in limits.items())
             lines.append(f"{which} could contain these calibration errors undetected: {', '.join(errors)}")
     return tuple(lines)
 

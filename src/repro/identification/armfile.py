@@ -18,9 +18,9 @@ from repro.model.dynamics import LAMBDA
 from repro.model.parameters import STANDARD_GRAVITY
 
 Signal = Literal["time", "q1", "q2", "dq1", "dq2", "tau1", "tau2"]
-Kind = Literal["time", "position", "velocity", "torque"]
+SignalKind = Literal["time", "position", "velocity", "torque"]
 
-_LARGEST, _SMALLEST = 1e9, 1e-6  # largest number of an arm and smallest limit; their squares must not overflow
+_MAX_NUMBER, _MIN_MAGNITUDE = 1e9, 1e-6  # largest number of an arm and smallest limit; their squares must not overflow
 
 
 def _radians(most: float, expected: str) -> AfterValidator:
@@ -46,22 +46,22 @@ def _only(allowed: Callable[[Any], bool], expected: str) -> AfterValidator:
     return AfterValidator(checked)
 
 
-_Both = Field(strict=False)  # a list, too
+_AlsoList = Field(strict=False)  # a list, too
 _Text = Annotated[str, Field(min_length=1)]
-_Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
-_Positive = Annotated[float, Field(ge=_SMALLEST, le=_LARGEST)]
+_Number = Annotated[float, Field(ge=-_MAX_NUMBER, le=_MAX_NUMBER)]
+_Positive = Annotated[float, Field(ge=_MIN_MAGNITUDE, le=_MAX_NUMBER)]
 _Sign = Annotated[_Number, _only(lambda value: abs(value) == 1.0, "two numbers, each 1 or -1")]
-_ENOUGH = f"two numbers other than 0, with magnitudes of {_SMALLEST:g} and more"
-_Constant = Annotated[_Number, _only(lambda value: abs(value) >= _SMALLEST, _ENOUGH)]
+_NOT_ZERO = f"two numbers other than 0, with magnitudes of {_MIN_MAGNITUDE:g} and more"
+_Constant = Annotated[_Number, _only(lambda value: abs(value) >= _MIN_MAGNITUDE, _NOT_ZERO)]
 _Angle = Annotated[_Number, _radians(2.0 * np.pi, "radians within a turn")]
 _rising = _only(lambda pair: pair[0] < pair[1], "the lower one first")
-_apart = _only(lambda pair: pair[1] - pair[0] >= _SMALLEST, f"ends {_SMALLEST:g} and more apart")
-_Range = Annotated[tuple[_Number, _Number], _Both, _rising, _apart]
-_TwoPositive = Annotated[tuple[_Positive, _Positive], _Both]
-_TwoSigns = Annotated[tuple[_Sign, _Sign], _Both]
-_TwoRanges = Annotated[tuple[_Range, _Range], _Both]
+_apart = _only(lambda pair: pair[1] - pair[0] >= _MIN_MAGNITUDE, f"ends {_MIN_MAGNITUDE:g} and more apart")
+_Range = Annotated[tuple[_Number, _Number], _AlsoList, _rising, _apart]
+_TwoPositive = Annotated[tuple[_Positive, _Positive], _AlsoList]
+_TwoSigns = Annotated[tuple[_Sign, _Sign], _AlsoList]
+_TwoRanges = Annotated[tuple[_Range, _Range], _AlsoList]
 _Reachable = Annotated[_Number, _radians(4.0 * np.pi, "radians within two turns")]
-_Turn = Annotated[tuple[_Reachable, _Reachable], _Both, _rising, _apart]
+_Turn = Annotated[tuple[_Reachable, _Reachable], _AlsoList, _rising, _apart]
 _Speed = Annotated[_Positive, _radians(20.0 * np.pi, "rad/s up to ten turns a second")]
 _different = _only(lambda names: len(set(names.values())) == len(names), "a different column for each signal")
 _Automatic = BeforeValidator(lambda value: None if value == "auto" else value)
@@ -73,8 +73,8 @@ class Units(TypedDict, total=False):
     __pydantic_config__ = STRICT  # type: ignore[misc]
 
     time: Literal["s", "ms", "us", "ns", "min"]
-    position: Literal["rad", "deg", "counts"]
-    velocity: Literal["rad/s", "deg/s", "rpm", "counts/s"]
+    position: Literal["rad", "deg", "counts", "turns"]
+    velocity: Literal["rad/s", "deg/s", "rpm", "counts/s", "turns/s"]
     torque: Literal["N m", "mN m", "N cm", "A", "mA", "counts"]
 
 
@@ -137,15 +137,20 @@ class Arm:
         "from the header, else SI",
         default_factory=Units,
     )
+    sampling_rate: _Positive | None = _key(
+        "a positive number, Hz",
+        "of evenly spaced samples: for a log without times, or whose times are those of a PC that read in bursts",
+        "from the times",
+    )
     counts_per_turn: _TwoPositive | None = _key(
         "two numbers above 0, the counts in a turn of joint 1 and of joint 2",
         "a turn of the **joint**: counts per motor turn times the gear ratio",
     )
-    torque_constant: Annotated[tuple[_Constant, _Constant], _Both] | None = _key(
+    torque_constant: Annotated[tuple[_Constant, _Constant], _AlsoList] | None = _key(
         "two numbers other than 0, N m at the joint for 1 A or for 1 count, joint 1 and joint 2",
         "gear included; a count is one of PWM",
     )
-    torque_offset: Annotated[tuple[_Number, _Number], _Both] = _key(
+    torque_offset: Annotated[tuple[_Number, _Number], _AlsoList] = _key(
         "two numbers, the torque recorded where none acts, N m", default=(0.0, 0.0)
     )
     torque_scale: _TwoPositive = _key(
@@ -161,7 +166,7 @@ class Arm:
     torque_sign: _TwoSigns = _key(
         "two numbers, each 1 or -1", "-1 where only the torque does, in addition to `sign`", default=(1.0, 1.0)
     )
-    zero: Annotated[tuple[_Angle, _Angle], _Both] = _key(
+    zero: Annotated[tuple[_Angle, _Angle], _AlsoList] = _key(
         "two numbers, the position recorded where the angle of Eq. 1 is 0, rad",
         "in rad whatever the unit of the log, within a turn",
         default=(0.0, 0.0),
@@ -174,11 +179,11 @@ class Arm:
         "of the torque that acts, so after `torque_offset` and `torque_scale`; without it a largest value that occurs "
         "repeatedly counts as one",
     )
-    position_limit: Annotated[tuple[_Turn, _Turn], _Both] | None = _key(
+    position_limit: Annotated[tuple[_Turn, _Turn], _AlsoList] | None = _key(
         "two ranges, lowest and highest angle of Eq. 1 of joint 1 and of joint 2, rad",
         "for `repro excite`, within two turns; joint 2 relative to link 1, whatever `zero` and `sign` state",
     )
-    speed_limit: Annotated[tuple[_Speed, _Speed], _Both] | None = _key(
+    speed_limit: Annotated[tuple[_Speed, _Speed], _AlsoList] | None = _key(
         "two numbers above 0, the largest speed of joint 1 and of joint 2, rad/s",
         "for `repro excite`, up to ten turns a second",
     )

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from repro.identification.extra_terms import (
     MIN_Z_SCORE,
     N_NINE,
-    Kind,
     Term,
+    TermKind,
     best_subset,
     detection_limits,
     fit_with_errors,
@@ -27,7 +27,7 @@ from repro.identification.extra_terms import (
     zero_position,
 )
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
-from repro.identification.log import Log, kept
+from repro.identification.log import Log, cached_per_log
 from repro.identification.regression import Regression, drop_standstill, solve
 from repro.model.parameters import Array
 
@@ -38,10 +38,10 @@ MAX_ZERO = 0.25
 MAX_SCALE = 3.0
 #: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of a joint over the one
 #: that Eq. 1 shares with the other. A log cannot determine which of the two is wrong: joint 2, unless a prior decides.
-CALIBRATION: dict[str, Kind] = {
-    "zero": Kind(zero_position, max_step=0.1),
-    "offset": Kind(offset),
-    "scale": Kind(lambda log: one_joint(log.y @ log.beta), neutral=1.0, max_step=0.3),
+CALIBRATION: dict[str, TermKind] = {
+    "zero": TermKind(zero_position, max_step=0.1),
+    "offset": TermKind(offset),
+    "scale": TermKind(lambda log: one_joint(log.y @ log.beta), neutral=1.0, max_step=0.3),
 }
 OTHER_SCALE, SCALE = "scale1", "scale2"  # torque constants belong to the arm rather than to a log
 CALIBRATION_TERMS = term_names(CALIBRATION)
@@ -87,31 +87,31 @@ def _candidates(columns: Array, mask: NDArray[np.bool_], names: Sequence[str]) -
     return [k for k, name in enumerate(CALIBRATION_TERMS) if name in names and np.any(columns[..., k] * mask)]
 
 
-@kept
-def _calibration_problem(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
+@cached_per_log
+def _regression_and_columns(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
     """Regression of a log without standstill, and the columns of all calibration errors."""
     r = drop_standstill(prepare(log, settings, even_odd=False))
     return r, term_columns(CALIBRATION, log, settings, solve(r.y, r.tau))
 
 
 @dataclass(frozen=True)
-class _Faulty:
-    """A log with calibration errors, and the rows (m, 10) of correct logs of the same arm."""
+class CalibrationProblem:
+    """Estimation of the calibration errors of a log, next to correct logs of the same arm."""
 
     log: Log
     settings: FilterSettings
-    others: Array
+    others: Array  # rows (m, 10) of the correct logs
 
     def relative_error(self, values: Mapping[str, float]) -> float:
         """Relative RMS error of least squares of the corrected log and others, mean of its joints that have torque."""
         regression = drop_standstill(prepare(correct_calibration(self.log, values), self.settings, even_odd=False))
         beta = solve(regression.y, regression.tau)
         if len(self.others):
-            both = np.concatenate([other_rows([regression]), self.others])
-            beta = solve(both[:, :-1], both[:, -1])
+            rows = np.concatenate([other_rows([regression]), self.others])
+            beta = solve(rows[:, :-1], rows[:, -1])
         error = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
-        whole = np.linalg.norm(regression.tau, axis=-1)
-        return float(np.mean((error / np.where(whole > 0.0, whole, 1.0))[whole > 0.0])) if whole.any() else 0.0
+        torque = np.linalg.norm(regression.tau, axis=-1)
+        return float(np.mean((error / np.where(torque > 0.0, torque, 1.0))[torque > 0.0])) if torque.any() else 0.0
 
     def values(self, names: Sequence[str]) -> dict[str, tuple[float, float]]:
         """Values of these calibration errors with their standard errors, by Gauss-Newton."""
@@ -119,7 +119,7 @@ class _Faulty:
         errors = dict.fromkeys(names, np.inf)
         subset = [CALIBRATION_TERMS.index(name) for name in names]
         for _ in range(MAX_ITERATIONS):
-            r, columns = _calibration_problem(correct_calibration(self.log, values), self.settings)
+            r, columns = _regression_and_columns(correct_calibration(self.log, values), self.settings)
             fit = fit_with_errors(*weighted_rows(r, columns[..., subset]), r.h, self.others)
             steps, spread = (x[N_NINE:] for x in fit)
             for name, step, error in zip(names, steps, spread, strict=True):
@@ -133,22 +133,22 @@ class _Faulty:
 
     def errors(self, names: Sequence[str], of: Sequence[str]) -> list[CalibrationError]:
         """Evaluate some of these calibration errors, which are all corrected."""
-        found = self.values(names)
-        values = {name: value for name, (value, _) in found.items()}
+        estimates = self.values(names)
+        values = {name: value for name, (value, _) in estimates.items()}
         after = self.relative_error(values)
-        without = [{other: value for other, value in values.items() if other != name} for name in of]
+        remaining = [{rest: value for rest, value in values.items() if rest != name} for name in of]
         return [
-            CalibrationError(name, *found[name], self.relative_error(rest), after)
-            for name, rest in zip(of, without, strict=True)
+            CalibrationError(name, *estimates[name], self.relative_error(rest), after)
+            for name, rest in zip(of, remaining, strict=True)
         ]
 
     def with_rivals(self, error: CalibrationError, names: Sequence[str]) -> CalibrationError:
         """Add the calibration errors that explain the log nearly as well in place of this one."""
         instead = {}
-        for other in (name for name in CANDIDATES if name not in names):
-            (rival,) = self.errors([other if name == error.name else name for name in names], [other])
+        for candidate in (name for name in CANDIDATES if name not in names):
+            (rival,) = self.errors([candidate if name == error.name else name for name in names], [candidate])
             if (1.0 - MIN_ERROR_REDUCTION) * rival.after**2 < error.after**2 and rival.is_credible:
-                instead[other] = rival.value
+                instead[candidate] = rival.value
         return replace(error, instead=instead)
 
 
@@ -156,15 +156,15 @@ def find_calibration_errors(
     log: Log, settings: FilterSettings, others: Sequence[Regression] = (), names: Sequence[str] = CANDIDATES
 ) -> tuple[CalibrationError, ...]:
     """Find the calibration errors with these names in a log; `others` are correct regressions of the same arm."""
-    r, columns = _calibration_problem(log, settings)
-    faulty = _Faulty(log, settings, other_rows(others))
+    r, columns = _regression_and_columns(log, settings)
+    problem = CalibrationProblem(log, settings, other_rows(others))
     candidates = dict.fromkeys(_candidates(columns, r.mask, names), MIN_ERROR_REDUCTION)
-    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, faulty.others)]
+    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, problem.others)]
     while names:
-        errors = faulty.errors(names, names)
+        errors = problem.errors(names, names)
         rejected = [error for error in errors if not error.is_credible]
         if not rejected:
-            return tuple(faulty.with_rivals(error, names) for error in errors)
+            return tuple(problem.with_rivals(error, names) for error in errors)
         # Gauss-Newton may end far away because of an error that is not there: without it the others converge.
         least = min(rejected, key=lambda error: error.before - error.after)
         names = [name for name in names if name != least.name]
@@ -178,13 +178,13 @@ def calibration_limits(
 
     A limit beyond `MAX_ZERO`, the largest torque or `MAX_SCALE` is None: an error of any size could be hidden.
     """
-    r, columns = _calibration_problem(log, settings)
+    r, columns = _regression_and_columns(log, settings)
     names = [SCALE if error.name == OTHER_SCALE else error.name for error in corrected]
-    own = [CALIBRATION_TERMS.index(name) for name in names]
+    subset = [CALIBRATION_TERMS.index(name) for name in names]
     candidates = _candidates(columns, r.mask, [name for name in CANDIDATES if name not in names])
     a, b = weighted_rows(r, columns)
     first, second = np.abs(log.tau).max(axis=-1)
-    most = dict(zip(CANDIDATES, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
-    limits = detection_limits(a, b, own, candidates, r.h, other_rows(others))
+    max_sizes = dict(zip(CANDIDATES, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
+    limits = detection_limits(a, b, subset, candidates, r.h, other_rows(others))
     sizes = zip((CALIBRATION_TERMS[k] for k in candidates), limits, strict=True)
-    return {name: size if size < most[name] else None for name, size in sizes}
+    return {name: size if size < max_sizes[name] else None for name, size in sizes}

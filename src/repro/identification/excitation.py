@@ -78,5 +78,5 @@ def _combinations(a: Array, scale: Array, moved: NDArray[np.intp], rank: int) ->
 def torque_fraction(regression: Regression, beta: Array) -> Array:
     """Compute the RMS torque (9,) that each parameter moves over the RMS torque, in the joint where that is larger."""
     part = np.sqrt(np.mean((regression.y * beta) ** 2, axis=1))  # (2, 9)
-    whole = np.sqrt(np.mean(regression.tau**2, axis=-1))
-    return np.asarray(np.max(part / np.where(whole > 0.0, whole, np.inf)[:, None], axis=0))
+    torque = np.sqrt(np.mean(regression.tau**2, axis=-1))
+    return np.asarray(np.max(part / np.where(torque > 0.0, torque, np.inf)[:, None], axis=0))

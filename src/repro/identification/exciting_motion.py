@@ -22,16 +22,17 @@ from repro.model.parameters import Array, is_positive_definite
 from repro.progress import Progress
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
-_COARSE, _FINE = 14, 200  # samples in a period of the fastest harmonic: of the search, and of the check of the limits
+#: Samples in a period of the fastest harmonic: of the search, and of the check of the limits.
+_SEARCH_SAMPLES, _CHECK_SAMPLES = 14, 200
 #: Starts that are drawn, starts of the search, weights of exceeded limits one after the other, iterations of each.
-_DRAWS, _BEST, _PENALTIES, _ITERATIONS = 32, 3, (10.0, 1000.0), 60
+_DRAWS, _STARTS, _PENALTIES, _ITERATIONS = 32, 3, (10.0, 1000.0), 60
 _STEP = 1e-7
-_NOTHING = -300.0  # log-determinant, with columns of unit length, of a motion without information
+_MIN_LOG_DETERMINANT = -300.0  # log-determinant, with columns of unit length, of a motion without information
 _PACES = 16  # paces at which Eq. 10 is tried
 _NORMAL_95 = 1.959964  # 95 % of a normal distribution lie within so many standard deviations
 MAX_UTILISATION = 0.999  # fraction of each limit that is used, so that nothing between two samples exceeds it
-_MOST_SAMPLES, _MOST_HARMONICS = 100_000, 20
-_LARGEST, _SMALLEST = 1e6, 1e-9  # magnitude of a guess or of a noise, in their units, and of a noise
+_MAX_SAMPLES, _MAX_HARMONICS = 100_000, 20
+_MAX_NUMBER, _MIN_NOISE = 1e6, 1e-9  # magnitude of a guess or of a noise, in their units, and of a noise
 _MAX_START = 0.9  # fraction of the way from the middle of a range to its end within which a motion may begin
 
 
@@ -171,7 +172,7 @@ def excite(
         raise InputError.at("arm", type(arm).__name__, "a path or an Arm")
     beta = None if guess is None else check_guess(guess)
     pair = [noise, noise] if isinstance(noise, int | float) else noise
-    sigma = _numbers("noise", pair, 2, _SMALLEST, f"one or two numbers from {_SMALLEST:g} to {_LARGEST:g}, N m")
+    sigma = _numbers("noise", pair, 2, _MIN_NOISE, f"one or two numbers from {_MIN_NOISE:g} to {_MAX_NUMBER:g}, N m")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise InputError.at("seed", repr(seed)[:60], "a whole number of 0 or more")
     limits = Envelope(arm if isinstance(arm, Arm) else read_arm(Path(arm)), beta)
@@ -180,8 +181,8 @@ def excite(
 
 def check_guess(guess: ArrayLike) -> Array:
     """Return a guess (9,) as float64; refuse what is not nine numbers, or what no arm can have."""
-    expected = f"nine numbers of at most {_LARGEST:g}, such as result.beta; the command reads parameters.json, too"
-    beta = _numbers("guess", guess, 9, -_LARGEST, expected)
+    expected = f"nine numbers of at most {_MAX_NUMBER:g}, such as result.beta; the command reads parameters.json, too"
+    beta = _numbers("guess", guess, 9, -_MAX_NUMBER, expected)
     if not is_positive_definite(beta):
         possible = "parameters that an arm can have: I3 > 0, I3 (I1 - I3) > I2^2 / 4, no negative friction"
         raise InputError.at("guess", beta.tolist(), possible)
@@ -193,7 +194,7 @@ def _numbers(name: str, value: ArrayLike, n: int, least: float, expected: str) -
         numbers = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         numbers = np.empty(0)
-    if numbers.shape != (n,) or not ((least <= numbers) & (numbers <= _LARGEST)).all():
+    if numbers.shape != (n,) or not ((least <= numbers) & (numbers <= _MAX_NUMBER)).all():
         raise InputError.at(name, " ".join(repr(value).split())[:200], expected)
     return numbers
 
@@ -205,10 +206,10 @@ def check_samples(duration: float, rate: float, harmonics: int) -> int:
         if isinstance(value, bool) or not isinstance(value, kind) or not 0.0 < value < np.inf:
             raise InputError.at(name, repr(value)[:60], f"a {what}number above 0")
     steps = round(duration * rate)
-    if not 3 <= harmonics <= _MOST_HARMONICS:
-        raise InputError.at("harmonics", harmonics, f"3 to {_MOST_HARMONICS}")
-    if not 4 * harmonics <= steps < _MOST_SAMPLES:
-        expected = f"{4 * harmonics} to {_MOST_SAMPLES - 1} with these harmonics"
+    if not 3 <= harmonics <= _MAX_HARMONICS:
+        raise InputError.at("harmonics", harmonics, f"3 to {_MAX_HARMONICS}")
+    if not 4 * harmonics <= steps < _MAX_SAMPLES:
+        expected = f"{4 * harmonics} to {_MAX_SAMPLES - 1} with these harmonics"
         raise InputError.at("rate times duration", f"{steps} samples", expected)
     return steps
 
@@ -233,7 +234,8 @@ def design(
         q, dq, ddq = ((x.reshape(*x.shape[:-1], 2, 1, -1) @ b)[..., 0, :] for b in on)
         return q, dq, ddq
 
-    coarse, fine = (basis(steps * h * np.linspace(0.0, 1.0, n * harmonics, False)) for n in (_COARSE, _FINE))
+    sizes = _SEARCH_SAMPLES, _CHECK_SAMPLES
+    coarse, fine = (basis(steps * h * np.linspace(0.0, 1.0, n * harmonics, False)) for n in sizes)
 
     def enlarged(x: Array) -> Array:
         """Enlarge until a limit is reached."""
@@ -247,7 +249,7 @@ def design(
         rows = (y / noise[:, None, None]).reshape(*x.shape[:-1], -1, y.shape[-1])
         length = np.linalg.norm(rows, axis=-2, keepdims=True)
         a = rows / length
-        apart = np.maximum(np.linalg.slogdet(np.swapaxes(a, -1, -2) @ a)[1], _NOTHING)
+        apart = np.maximum(np.linalg.slogdet(np.swapaxes(a, -1, -2) @ a)[1], _MIN_LOG_DETERMINANT)
         volume = apart + 2.0 * np.log(length).sum(axis=(-2, -1))
         return np.asarray(penalty * (excess**2).mean(axis=-1).sum(axis=-1) - volume / y.shape[-1])
 
@@ -257,15 +259,15 @@ def design(
         return float(value[0]), (value[1:] - value[0]) / _STEP
 
     starts = enlarged(rng.normal(size=(_DRAWS, 2 * free.shape[1])))
-    best = starts[np.argsort(objective(starts))[:_BEST]]
+    best = starts[np.argsort(objective(starts))[:_STARTS]]
     for k, start in enumerate(best):
-        report(k, _BEST)
+        report(k, _STARTS)
         end = start
         for penalty in _PENALTIES:
             end = minimize(gradient, end, (penalty,), "L-BFGS-B", jac=True, options={"maxiter": _ITERATIONS}).x
-        both = np.stack([start, enlarged(end)])
-        best[k] = both[np.argmin(objective(both))]
-    report(_BEST, _BEST)
+        candidates = np.stack([start, enlarged(end)])
+        best[k] = candidates[np.argmin(objective(candidates))]
+    report(_STARTS, _STARTS)
     t = np.arange(steps + 1, dtype=np.float64) * h
     q, dq, ddq = shape(best[np.argmin(objective(best))], basis(t))
     return Motion(t, rest[:, None] + q, dq, ddq)
@@ -280,8 +282,8 @@ def published(limits: Envelope, times: tuple[int, float], highest: float, noise:
     once = 3.0 * np.pi / (n * h)  # phase per second of one pass; the faster of its two sines has 2.5 times the phase
     best, most = Motion(sample_times(n * h, h), *np.zeros((3, 2, n))), -np.inf
     for pace in np.geomspace(once, max(once, 2.0 * np.pi * highest / 2.5), _PACES):
-        whole = 3.0 * np.pi / pace
-        played = identification_trajectory(whole, h, max(0, -(-(n - round(whole / h)) // 2)))
+        duration = 3.0 * np.pi / pace
+        played = identification_trajectory(duration, h, max(0, -(-(n - round(duration / h)) // 2)))
         size = np.ptp(limits.position, axis=0)[:, None] / np.ptp(played.q[:, :n], axis=1, keepdims=True)
         shape = size * played.q[:, :n], size * played.dq[:, :n], size * played.ddq[:, :n]
         for centre in (limits.position.mean(axis=0), limits.rest):

@@ -2,7 +2,7 @@
 
 Each such term is a candidate column next to the nine of the regressor (`TERMS`, and `CALIBRATION` of
 `repro.identification.calibration`). The chosen subset of the candidates predicts blocks of the log from the other
-blocks best, and each of its columns reduces the squared error by `Kind.min_reduction`. A chosen term is also
+blocks best, and each of its columns reduces the squared error by `TermKind.min_reduction`. A chosen term is also
 `MIN_Z_SCORE` standard errors away from no effect. Other logs of the arm, to which no term applies, may join the fit.
 Coulomb friction that differs between the two directions is no candidate: while a joint moves it is an offset.
 """
@@ -157,13 +157,13 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     "elasticity": (lambda log: position_error(log, log.gear_load),),
     "backlash": tuple(partial(backlash, width=width) for width in (0.02, 0.05, 0.15)),
 }
-OF_A_LOG = (ZEROS, OFFSETS)  # effects that differ from log to log of one arm
+EFFECTS_PER_LOG = (ZEROS, OFFSETS)  # effects that differ from log to log of one arm
 #: Largest credible torque of an effect, over the largest torque of its joint: beyond it something else looks like it.
-LARGEST_SHARE = {CONSTANTS: 0.3}
+MAX_TORQUE_SHARE = {CONSTANTS: 0.3}
 
 
 @dataclass(frozen=True)
-class Kind:
+class TermKind:
     """A kind of term, with a column for each of its joints."""
 
     columns: Columns
@@ -175,15 +175,15 @@ class Kind:
 
 #: Friction in proportion to the load, friction at rest on top of k (N m), and the rotor of joint 2 (kg m^2). Every gear
 #: has a rotor, and a column that is not needed only widens the intervals: little evidence is enough.
-TERMS: dict[str, Kind] = {
-    "load": Kind(load_friction),
-    "stribeck": Kind(stribeck),
-    "rotor": Kind(rotor_inertia, (2,), min_reduction=MIN_REPORTED_REDUCTION),
+TERMS: dict[str, TermKind] = {
+    "load": TermKind(load_friction),
+    "stribeck": TermKind(stribeck),
+    "rotor": TermKind(rotor_inertia, (2,), min_reduction=MIN_REPORTED_REDUCTION),
 }
 ROTOR = "rotor"  # the kind that is no friction: it is subtracted without being asked
 
 
-def term_names(kinds: Mapping[str, Kind]) -> tuple[str, ...]:
+def term_names(kinds: Mapping[str, TermKind]) -> tuple[str, ...]:
     """Names of the terms, ``KINDj`` with joint j, in the order of the columns."""
     return tuple(f"{name}{joint}" for name, kind in kinds.items() for joint in kind.joints)
 
@@ -221,7 +221,7 @@ def values_of(terms: Sequence[Term]) -> dict[str, float]:
 # Columns of the regressor, and selection among them.
 
 
-def raw_columns(kinds: Mapping[str, Kind], log: SmoothLog) -> Array:
+def raw_columns(kinds: Mapping[str, TermKind], log: SmoothLog) -> Array:
     """Compute the columns of all terms of these kinds, shape (2, N, k)."""
     return np.concatenate([kind.columns(log) for kind in kinds.values()], axis=-1)
 
@@ -237,7 +237,7 @@ def filtered_columns(makes: Sequence[Columns], log: Log, settings: FilterSetting
 
 
 def term_columns(
-    kinds: Mapping[str, Kind], log: Log, settings: FilterSettings, beta: Array, terms: Sequence[Term] | None = None
+    kinds: Mapping[str, TermKind], log: Log, settings: FilterSettings, beta: Array, terms: Sequence[Term] | None = None
 ) -> Array:
     """Compute the filtered columns (2, n, k) of terms, or of all terms of these kinds."""
     columns = filtered_columns([partial(raw_columns, kinds)], log, settings, beta)[0]
@@ -260,14 +260,14 @@ NO_ROWS: Array = np.empty((0, N_NINE + 1))  # rows of no other log
 
 def reduced_rows(a: Array, b: Array) -> Array:
     """Reduce rows with the torque as last column to as many as there are columns (QR): least squares stays the same."""
-    both = np.concatenate([a, b[..., np.newaxis]], axis=-1).reshape(-1, a.shape[-1] + 1)
-    return np.asarray(np.linalg.qr(both, mode="r"))
+    rows = np.concatenate([a, b[..., np.newaxis]], axis=-1).reshape(-1, a.shape[-1] + 1)
+    return np.asarray(np.linalg.qr(rows, mode="r"))
 
 
 def other_rows(regressions: Sequence[Regression]) -> Array:
     """Reduce other logs, to which no term applies, to rows (m, 10) for the functions below."""
-    each = [reduced_rows(*weighted_rows(r, np.empty((*r.tau.shape, 0)))) for r in regressions]
-    return np.concatenate([NO_ROWS, *each])
+    rows = [reduced_rows(*weighted_rows(r, np.empty((*r.tau.shape, 0)))) for r in regressions]
+    return np.concatenate([NO_ROWS, *rows])
 
 
 def _padded(others: Array, k: int) -> Array:
@@ -316,11 +316,11 @@ def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tu
     """Fit rows `h` apart; the standard errors are the larger of those by independent samples and by the blocks."""
     blocks = _blocks(a, b)
     flat = [block.reshape(-1, block.shape[-1]) for block in blocks]
-    both = np.concatenate([*flat, _padded(others, a.shape[-1] + 1 - others.shape[1])])
-    x = _fit(both[:, :-1], both[:, -1])
+    rows = np.concatenate([*flat, _padded(others, a.shape[-1] + 1 - others.shape[1])])
+    x = _fit(rows[:, :-1], rows[:, -1])
     residual = b - a @ x
     n_independent = max(residual.size * h / correlation_time(residual, h), 1.0)
-    gram = both[:, :-1].T @ both[:, :-1]
+    gram = rows[:, :-1].T @ rows[:, :-1]
     spread = np.sqrt(np.abs(np.diag(np.linalg.pinv(gram))) * np.sum(residual**2) / n_independent)
     jackknife = np.sqrt((BLOCKS - 1) * np.var(_leave_one_out(blocks, range(a.shape[-1]), others), axis=0))
     return x, np.maximum(spread, jackknife)
@@ -339,8 +339,8 @@ def best_subset(
     blocks = _blocks(a, b)
     penalty = [-sum(np.log(1.0 - candidates[k]) for k in subset) for subset in subsets]
     errors = (_block_error(blocks, _nine_and(subset), others) for subset in subsets)
-    error = [np.sum(np.log(each)) if by_joint else np.log(each.sum()) for each in errors]
-    return list(subsets[int(np.argmin(np.add(error, penalty)))])
+    log_error = [np.sum(np.log(error)) if by_joint else np.log(error.sum()) for error in errors]
+    return list(subsets[int(np.argmin(np.add(log_error, penalty)))])
 
 
 def detection_limits(
@@ -356,8 +356,8 @@ def detection_limits(
         columns = a[..., _nine_and([*chosen, k])]
         _, standard_error = fit_with_errors(columns, b, h, others)
         flat = columns.reshape(-1, columns.shape[-1])
-        both = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
-        alone = flat[:, -1] - flat[:, :-1] @ _fit(both[:, :-1], both[:, -1])
+        rows = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
+        alone = flat[:, -1] - flat[:, :-1] @ _fit(rows[:, :-1], rows[:, -1])
         smallest = np.sqrt(ratio * error / max(float(alone @ alone), np.finfo(float).tiny))
         limits.append(max(MIN_Z_SCORE * float(standard_error[-1]), float(smallest)))
     return limits
@@ -376,27 +376,27 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     Friction is subtracted if it may be, the rotor always. The logs have correct calibration. Each of several is
     weighted by its errors with all terms in the model: a noisy log must not hide what a good one shows.
     """
-    each = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
-    whole = joined(each)
-    load = solve(whole.y, whole.tau)
+    regressions = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
+    unweighted = joined(regressions)
+    load = solve(unweighted.y, unweighted.tau)
     columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
-    weights = [_weight(r, c) for r, c in zip(each, columns, strict=True)] if len(logs) > 1 else [1.0]
-    r = joined(each, weights)
+    weights = [_weight(r, c) for r, c in zip(regressions, columns, strict=True)] if len(logs) > 1 else [1.0]
+    r = joined(regressions, weights)
     a, b = weighted_rows(r, np.concatenate([w * c for w, c in zip(weights, columns, strict=True)], axis=1))
     candidates = [k for k in range(len(TERM_NAMES)) if np.any(a[..., N_NINE + k])]
 
     def evaluated(k: int, chosen: Sequence[int]) -> ExtraTerm:
-        others = [other for other in chosen if other != k]
-        columns = a[..., _nine_and([k, *others])]
-        with_it, without = (cross_validation_error(part, b) for part in (columns, a[..., _nine_and(others)]))
+        rest = [number for number in chosen if number != k]
+        columns = a[..., _nine_and([k, *rest])]
+        with_it, without = (cross_validation_error(part, b) for part in (columns, a[..., _nine_and(rest)]))
         # The product of both joints' ratios: a term that acts on one joint is judged by that joint.
         gain = 1.0 - float(np.exp(np.sum(np.log(with_it) - np.log(without))))
         value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
         return ExtraTerm(TERM_NAMES[k], value, standard_error, gain, k in chosen)
 
     reductions = {k: TERMS[TERM_NAMES[k][:-1]].min_reduction for k in candidates}
-    asked = {k: least for k, least in reductions.items() if friction or TERM_NAMES[k].startswith(ROTOR)}
-    chosen = best_subset(a, b, asked, by_joint=True)
+    allowed = {k: least for k, least in reductions.items() if friction or TERM_NAMES[k].startswith(ROTOR)}
+    chosen = best_subset(a, b, allowed, by_joint=True)
     while True:
         terms = [evaluated(k, chosen) for k in candidates]
         credible = [term for term in terms if term.value > MIN_Z_SCORE * term.error]
@@ -409,9 +409,9 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
 def subtract_terms(log: Log, settings: FilterSettings, beta: Array, terms: Sequence[ExtraTerm]) -> Log:
     """Subtract these terms from the torque of a log; `beta` gives the load."""
     subset, values = [TERM_NAMES.index(term.name) for term in terms], np.array([term.value for term in terms])
-    left = []
+    torques = []
     for piece in log.pieces:
         torque = raw_columns(TERMS, SmoothLog.of(piece, settings, beta))[..., subset] @ values
         acting = np.clip(piece.t + settings.delay, piece.t[0], piece.t[-1])
-        left.append(piece.tau - CubicSpline(piece.t, torque, axis=1)(acting))
-    return replace(log, tau=np.concatenate(left, axis=1))
+        torques.append(piece.tau - CubicSpline(piece.t, torque, axis=1)(acting))
+    return replace(log, tau=np.concatenate(torques, axis=1))

@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 
 from repro.errors import InputError
-from repro.identification.log import Log, kept, period
+from repro.identification.log import Log, cached_per_log, period
 from repro.identification.regression import Regression, correlation_time, joined, masked, solve
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
@@ -33,14 +33,14 @@ Moved = tuple[Array, Array, Array]
 MIN_SHORTENED_SAMPLES = 4096
 #: Squared coherence of the torque, of both joints, and amplitude of the position over its noise, of the better joint.
 MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 10.0
-LOWEST_CUTOFF, HIGHEST_CUTOFF = 1.0, 10.0  # range of the cut-off, Hz
+MIN_CUTOFF_HZ, MAX_CUTOFF_HZ = 1.0, 10.0  # range of the cut-off
 SEGMENT = 3.0  # length of a segment of the spectra, s
 #: Coefficients of the cosines that add up to a window of the spectra.
 HANN, BLACKMAN_HARRIS = (0.5, 0.5), (0.35875, 0.48829, 0.14128, 0.01168)
 #: Values of lambda that are tried, s/rad: from friction that sets in over 0.2 rad/s to one that is a step.
 STEEPNESS_GRID = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 MAX_DELAY, N_DELAYS = 0.02, 11  # largest delay that is searched, s, and number of delays
-EXPECTED_DELAY = 2.0  # latest delay that a drive is expected to have, sampling periods: any other needs evidence
+MAX_EXPECTED_DELAY = 2.0  # latest delay that a drive is expected to have, sampling periods: any other needs evidence
 MIN_ERROR_REDUCTION = 0.2  # fraction of the squared error by which an effect must reduce it
 MAX_CONTAMINATION = 0.05  # part of torques that did not act in a low-passed torque, above which it is left out
 BUTTERWORTH_ORDER = 4
@@ -170,7 +170,7 @@ def retained_samples(log: Log, settings: FilterSettings) -> tuple[int, NDArray[n
     return n, keep
 
 
-def _interpolated(x: Array, at: Array) -> Array:
+def _interpolate(x: Array, at: Array) -> Array:
     """Evaluate a cubic spline through samples (2, n, k) at places counted in samples, away from the ends."""
     c, first = spline_filter1d(x, axis=1), np.floor(at).astype(np.intp)
     f = (at - first)[:, np.newaxis]
@@ -190,17 +190,17 @@ def _piece(log: Log, settings: FilterSettings, even_odd: bool) -> Regression:
     h = period(log)
     n, keep = retained_samples(log, settings)
     moved, y = _filtered_motion(log, replace(settings, delay=0.0))
-    both = _filtered_halves(log, replace(settings, delay=0.0)) if even_odd else None
+    halves = _filtered_halves(log, replace(settings, delay=0.0)) if even_odd else None
     tau = filtered_torque(log.tau[:, :n], h, settings)[:, keep]
     mask = np.ones(tau.shape, dtype=np.bool_)
-    whole = Regression(log.t[:n][keep], y, tau, *moved, mask, (keep[1] - keep[0]) * h, both)
+    regression = Regression(log.t[:n][keep], y, tau, *moved, mask, (keep[1] - keep[0]) * h, halves)
     if log.left_out is None:
-        return whole
+        return regression
     contamination = filtered_torque(log.left_out[:, :n].astype(np.float64), h, settings)[:, keep]
-    return masked(whole, np.abs(contamination) <= MAX_CONTAMINATION)
+    return masked(regression, np.abs(contamination) <= MAX_CONTAMINATION)
 
 
-@kept
+@cached_per_log
 def _filtered_motion(log: Log, settings: FilterSettings) -> tuple[Moved, Array]:
     """Motion and regressor of a log in one piece at the samples that are kept."""
     n, keep = retained_samples(log, settings)
@@ -209,13 +209,13 @@ def _filtered_motion(log: Log, settings: FilterSettings) -> tuple[Moved, Array]:
     return (q[:, keep], dq[:, keep], ddq[:, keep]), y[:, keep]
 
 
-@kept
+@cached_per_log
 def _filtered_halves(log: Log, settings: FilterSettings) -> Array:
     """`Regression.even_odd` of a log in one piece."""
     (n, keep), h = retained_samples(log, settings), 2 * period(log)
-    moved = [smooth_motion(log.q[:, first:n:2], h, settings) for first in (0, 1)]
-    halves = [filtered_regressor(each, h, settings) for each in moved]
-    return np.stack([_interpolated(half, (keep - first) / 2) for first, half in enumerate(halves)])
+    motions = [smooth_motion(log.q[:, first:n:2], h, settings) for first in (0, 1)]
+    halves = [filtered_regressor(motion, h, settings) for motion in motions]
+    return np.stack([_interpolate(half, (keep - first) / 2) for first, half in enumerate(halves)])
 
 
 # Choice of the cut-off.
@@ -236,14 +236,14 @@ class Cutoff:
 def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     """Find the highest frequency that satisfies both limits: 1 to 10 Hz, but at most a tenth of the sampling rate."""
     rate = 1.0 / period(log)
-    highest = min(HIGHEST_CUTOFF, rate / 10.0)
+    highest = min(MAX_CUTOFF_HZ, rate / 10.0)
     segment = min(round(SEGMENT * rate), log.longest.t.size // 4)
     q = [piece.q for piece in log.pieces]
     frequency, density = _density(q, q, rate, segment, BLACKMAN_HARRIS)
     # The noise is that of the upper half of the spectrum, where an arm does not move.
     noise = np.median(density.real[:, frequency > 0.25 * rate], axis=-1, keepdims=True)
     position = np.sqrt(density.real / np.where(noise > 0.0, noise, np.finfo(np.float64).tiny))
-    band = (frequency >= LOWEST_CUTOFF) & (frequency <= highest)
+    band = (frequency >= MIN_CUTOFF_HZ) & (frequency <= highest)
     by_noise = _first_below(frequency[band], position.max(0)[band], MIN_SIGNAL_TO_NOISE)
 
     first = prepare(log, replace(settings, cutoff=min(3.0, highest)), even_odd=False)
@@ -256,9 +256,9 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
         tau = [np.where(mask, x, fitted) for mask, x, fitted in zip(counts, tau, rebuilt, strict=True)]
     segment = min(segment, max(piece.t.size for piece in wide) // 4)
     pairs = ((tau, rebuilt), (tau, tau), (rebuilt, rebuilt))
-    (grid, cross), (_, own), (_, other) = (_density(*pair, rate, segment, HANN) for pair in pairs)
+    (grid, cross), (_, measured), (_, modelled) = (_density(*pair, rate, segment, HANN) for pair in pairs)
     with np.errstate(divide="ignore", invalid="ignore"):  # no torque at all
-        squared = np.nan_to_num(np.abs(cross) ** 2 / own.real / other.real)
+        squared = np.nan_to_num(np.abs(cross) ** 2 / measured.real / modelled.real)
     coherence = np.stack([np.interp(frequency, grid, joint) for joint in squared])
     by_coherence = _first_below(frequency[band], coherence.mean(0)[band], MIN_COHERENCE)
 
@@ -314,7 +314,7 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
     Columns (2, n, k) at the retained samples join the regressor: of effects that the delay would otherwise absorb.
     The sum of squared errors is close to a parabola about the true delay. Unmodelled effects move it by milliseconds.
     Unless it reduces the squared error by `MIN_ERROR_REDUCTION`, the result is therefore the nearest delay of at most
-    `EXPECTED_DELAY`, and its standard error includes the distance.
+    `MAX_EXPECTED_DELAY`, and its standard error includes the distance.
     """
     delays = np.linspace(-MAX_DELAY, MAX_DELAY, N_DELAYS)
     ends = np.cumsum([retained_samples(piece, settings)[1].size for piece in log.pieces])
@@ -333,7 +333,7 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
         # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
         n_independent = residual[best].size * h / correlation_time(residual[best], h)
         spread = float(np.sqrt(error.min() / n_independent / curve))
-    expected = float(np.clip(delay, 0.0, min(EXPECTED_DELAY * period(log), MAX_DELAY)))
+    expected = float(np.clip(delay, 0.0, min(MAX_EXPECTED_DELAY * period(log), MAX_DELAY)))
     if error.min() > (1.0 - MIN_ERROR_REDUCTION) * np.interp(expected, delays, error):
         return expected, min(float(np.hypot(spread, delay - expected)), MAX_DELAY)
     return delay, MAX_DELAY if abs(delay) >= MAX_DELAY else min(spread, MAX_DELAY)

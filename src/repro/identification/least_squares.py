@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import wraps
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,12 +116,12 @@ def instrumental(regression: Regression) -> Estimate:
         """Solve Z' (tau - Y beta) = 0, each joint over its variance; the prior counts twice, as each sample does."""
         weight = 1.0 / variance  # (2, 1)
         size = np.sqrt(np.prod(np.sqrt((weight * length).sum(1)), axis=0))
-        whole, product = (weight[..., None] * gram).sum(0), (weight * right).sum(0)
+        matrix, product = (weight[..., None] * gram).sum(0), (weight * right).sum(0)
         if prior is not None:
             added = 2.0 * of_rows * prior.precision
-            whole, product = whole + np.diag(added), product + added * prior.mean
+            matrix, product = matrix + np.diag(added), product + added * prior.mean
             size = np.sqrt(size**2 + added)
-        return solve_normal(whole, product, size)
+        return solve_normal(matrix, product, size)
 
     beta = solution(np.ones((2, 1)), 1.0 if prior is None else prior.variance)
     beta = solution(joint_variance(regression, beta))
@@ -178,13 +179,13 @@ def solve_consistent(r: Array, c: Array, scale: Array, known: Array) -> tuple[Ar
     if has_possible_signs(beta):
         return beta, binding
     # The error within the bounds alone is the least that a set of signs can have, so the rest need not be solved.
-    bounds = [(lsq_linear(r, c, bounds=each, method="bvls").cost, *each) for each in _bounds_of_signs(known)]
-    least = np.inf
-    for possible, low, high in sorted(bounds, key=lambda each: each[0]):
-        if possible < least:
-            found = _solve_definite(r, c, scale, known, low, high)[0]
-            cost = 0.5 * float(np.sum((r @ ((found - known) * scale) - c) ** 2))
-            least, beta = min((least, beta), (cost, found), key=lambda each: each[0])
+    bounds = [(lsq_linear(r, c, bounds=pair, method="bvls").cost, *pair) for pair in _bounds_of_signs(known)]
+    min_cost = np.inf
+    for cost_of_bounds, low, high in sorted(bounds, key=itemgetter(0)):
+        if cost_of_bounds < min_cost:
+            candidate = _solve_definite(r, c, scale, known, low, high)[0]
+            cost = 0.5 * float(np.sum((r @ ((candidate - known) * scale) - c) ** 2))
+            min_cost, beta = min((min_cost, beta), (cost, candidate), key=itemgetter(0))
     return beta, True
 
 

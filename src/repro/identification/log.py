@@ -17,7 +17,7 @@ from repro.model.parameters import Array
 _SIGNALS = ("t", "q", "tau", "dq", "left_out")  # fields of a log with a value for each sample
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)  # identity hash, so that results can be kept per instance
+@dataclass(frozen=True, kw_only=True, eq=False)  # identity hash, so that results can be cached per instance
 class Log:
     """A recording of both joints in SI units.
 
@@ -112,21 +112,21 @@ class Log:
 
 
 Settings = TypeVar("Settings", bound=Hashable)
-Kept = TypeVar("Kept")
+Computed = TypeVar("Computed")
 
 
-def kept(function: Callable[[Log, Settings], Kept]) -> Callable[[Log, Settings], Kept]:
-    """Compute a function of a log and settings once for as long as the log lives."""
-    results: WeakKeyDictionary[Log, dict[Settings, Kept]] = WeakKeyDictionary()
+def cached_per_log(function: Callable[[Log, Settings], Computed]) -> Callable[[Log, Settings], Computed]:
+    """Cache a function of a log and settings for as long as the log lives."""
+    results: WeakKeyDictionary[Log, dict[Settings, Computed]] = WeakKeyDictionary()
 
     @wraps(function)
-    def remembered(log: Log, settings: Settings) -> Kept:
+    def cached(log: Log, settings: Settings) -> Computed:
         of_log = results.setdefault(log, {})
         if settings not in of_log:
             of_log[settings] = function(log, settings)
         return of_log[settings]
 
-    return remembered
+    return cached
 
 
 def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
@@ -148,8 +148,8 @@ def _numbers(place: str, given: object, shape: tuple[int, ...]) -> Array:
     return numbers
 
 
-SHORTEST, FEWEST = 2.0, 200  # shortest log, s, and fewest samples
-STILL = 0.02  # range of positions below which a joint does not move, rad
+MIN_LENGTH_S, MIN_SAMPLES = 2.0, 200  # shortest log, and fewest samples
+MIN_RANGE_RAD = 0.02  # range of positions below which a joint does not move
 HALF_SPAN = 0.02  # half the time that a difference spans, s
 
 
@@ -169,16 +169,16 @@ def speed(log: Log) -> Array:
     return np.asarray((log.q[:, 2 * w :] - log.q[:, : -2 * w]) / (log.t[2 * w :] - log.t[: -2 * w]))
 
 
-LONGEST_BRIDGE = 5  # most samples in a row that may be missing and are bridged
-GAP = 2.5  # period from one sample to the next, in typical ones, above which samples are missing
-_EVEN = 1e-3  # deviation from even spacing, in periods, that is ignored
-_TOO_CLOSE = 0.25  # samples that follow sooner, in periods, add nothing but a wrong slope
+MAX_BRIDGED_SAMPLES = 5  # most samples in a row that may be missing and are bridged
+MAX_PERIOD_RATIO = 2.5  # time between samples over the typical period: above it samples are missing
+_MAX_UNEVENNESS = 1e-3  # deviation from even spacing, in periods, that is ignored
+_MIN_PERIOD_RATIO = 0.25  # the same below which a sample adds nothing but a wrong slope
 
 
 def missing_samples(log: Log) -> Array:
     """Count the samples missing before each but the first (N - 1,)."""
     periods = np.diff(log.t) / period(log)
-    return np.where(periods > GAP, np.rint(periods) - 1.0, 0.0)
+    return np.where(periods > MAX_PERIOD_RATIO, np.rint(periods) - 1.0, 0.0)
 
 
 def uniform(log: Log) -> Log:
@@ -199,23 +199,32 @@ def uniform(log: Log) -> Log:
     return replace(log, **{**joined, "t": joined["t"] - log.t[0]}, breaks=breaks, notes=notes)
 
 
+MIN_BURSTS = 10  # gaps of a log that is nothing but bursts
+
+
 def segments(log: Log) -> list[Log]:
     """Cut a log at its long gaps; gives the pieces that are long enough, with a note."""
-    gaps = np.flatnonzero(missing_samples(log) > LONGEST_BRIDGE)
+    gaps = np.flatnonzero(missing_samples(log) > MAX_BRIDGED_SAMPLES)
     if not gaps.size:
         return [log]
     pieces = [log.piece(*edges) for edges in pairwise((0, *(gaps + 1).tolist(), log.t.size))]
     seconds = [float(piece.t[-1] - piece.t[0]) for piece in pieces]
-    used = [s >= SHORTEST and piece.t.size >= FEWEST for s, piece in zip(seconds, pieces, strict=True)]
+    used = [s >= MIN_LENGTH_S and piece.t.size >= MIN_SAMPLES for s, piece in zip(seconds, pieces, strict=True)]
     summary = f"{gaps.size} gap{'s' * (gaps.size > 1)} of up to {float(np.diff(log.t).max()):.3g} s"
     if not any(used):
         samples = pieces[int(np.argmax(seconds))].t.size
         found = f"{summary}, {max(seconds):.3g} s ({samples} samples) between them"
-        raise InputError.at(f"{log.name}: time", found, f"{SHORTEST:g} s ({FEWEST} samples) without a long gap")
-    lengths = ", ".join(f"{s:.4g}" for s, kept in zip(seconds, used, strict=True) if kept)
+        expected = f"{MIN_LENGTH_S:g} s ({MIN_SAMPLES} samples) without a long gap"
+        if gaps.size > MIN_BURSTS:  # the samples are read together, long after they were taken
+            first, last = gaps[0] + 1, gaps[-1] + 1  # of two bursts
+            rate = (last - first) / float(log.t[last] - log.t[first])
+            found += ", as where a PC reads samples in bursts"
+            expected += f"; if they are evenly spaced, write into the arm file: sampling_rate: {rate:.4g}"
+        raise InputError.at(f"{log.name}: time", found, expected)
+    lengths = ", ".join(f"{s:.4g}" for s, is_used in zip(seconds, used, strict=True) if is_used)
     short = f"; {used.count(False)} too short, left out" if not all(used) else ""
     note = f"{summary}: the log is used in {sum(used)} piece{'s' * (sum(used) > 1)} of {lengths} s{short}"
-    return [replace(piece, notes=(*log.notes, note)) for piece, kept in zip(pieces, used, strict=True) if kept]
+    return [replace(piece, notes=(*log.notes, note)) for piece, is_used in zip(pieces, used, strict=True) if is_used]
 
 
 def _even(piece: Log) -> Log:
@@ -224,7 +233,7 @@ def _even(piece: Log) -> Log:
     k = np.arange(n) - 0.5 * (n - 1)
     even = piece.t.mean() + k * (k @ piece.t) / (k @ k)  # the line through the times by least squares
     deviation = float(np.abs(piece.t - even).max())
-    if deviation <= _EVEN * h:
+    if deviation <= _MAX_UNEVENNESS * h:
         return piece
     # The power of ten, s, of which all times are multiples, 1 ns at the finest
     digits = (digits for digits in range(1, 9) if np.abs(piece.t - np.round(piece.t, digits)).max() < 1e-9)
@@ -233,24 +242,26 @@ def _even(piece: Log) -> Log:
         rate = (n - 1) / (even[-1] - even[0])
         notes.append(f"times are rounded to {step:g} s; samples are taken as evenly spaced at {rate:.6g} Hz")
         return replace(piece, t=piece.t[0] + even - even[0], notes=tuple(notes))
-    kept = _at_least_apart(piece.t, _TOO_CLOSE * h)
-    if kept.size < n:
-        notes.append(f"{n - kept.size} samples less than {1e3 * _TOO_CLOSE * h:.2g} ms after another are left out")
-    last = piece.t[kept[-1]]
-    t = piece.t[0] + h * np.arange(int((last - piece.t[0]) / h + _EVEN) + 1)
+    indices = _at_least_apart(piece.t, _MIN_PERIOD_RATIO * h)
+    if indices.size < n:
+        notes.append(
+            f"{n - indices.size} samples less than {1e3 * _MIN_PERIOD_RATIO * h:.2g} ms after another are left out"
+        )
+    last = piece.t[indices[-1]]
+    t = piece.t[0] + h * np.arange(int((last - piece.t[0]) / h + _MAX_UNEVENNESS) + 1)
     at = np.minimum(t, last)
     # Positions are smooth; torques may jump, and a cubic without overshoot keeps them within their limits.
-    q = CubicSpline(piece.t[kept], piece.q[:, kept], axis=1)(at)
-    dq = None if piece.dq is None else CubicSpline(piece.t[kept], piece.dq[:, kept], axis=1)(at)
-    tau = PchipInterpolator(piece.t[kept], piece.tau[:, kept], axis=1)(at)
+    q = CubicSpline(piece.t[indices], piece.q[:, indices], axis=1)(at)
+    dq = None if piece.dq is None else CubicSpline(piece.t[indices], piece.dq[:, indices], axis=1)(at)
+    tau = PchipInterpolator(piece.t[indices], piece.tau[:, indices], axis=1)(at)
     notes.append(f"resampled to an even {1.0 / h:.6g} Hz")
     return replace(piece, t=t, q=q, tau=tau, dq=dq, notes=tuple(notes))
 
 
 def _at_least_apart(t: Array, least: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
     """Pick samples each at least so far from the one before."""
-    kept = [0]
+    indices = [0]
     for k in range(1, t.size):
-        if t[k] - t[kept[-1]] >= least:
-            kept.append(k)
-    return np.array(kept)
+        if t[k] - t[indices[-1]] >= least:
+            indices.append(k)
+    return np.array(indices)

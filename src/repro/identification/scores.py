@@ -35,8 +35,8 @@ def score(y: Array, tau: Array, estimates: Mapping[str, Any], metric: MetricSett
 def relative_rms(regression: Regression, beta: Array) -> tuple[float, float]:
     """Compute the RMS torque error of each joint over the RMS torque, or of a freely falling joint over its parts."""
     error = _rms(regression.tau - regression.y @ beta)
-    whole = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
-    first, second = np.divide(error, whole, out=np.zeros(2), where=error > 0.0).tolist()
+    torque = np.where(driven(regression, beta), _rms(regression.tau), _rms_of_parts(regression, beta))
+    first, second = np.divide(error, torque, out=np.zeros(2), where=error > 0.0).tolist()
     return first, second
 
 
@@ -45,9 +45,9 @@ def unexplained(regression: Regression, parameters: slice = slice(None)) -> Arra
     chosen = np.zeros(regression.y.shape[-1])
     chosen[parameters] = 1.0
     rows, torque = weighted_rows(regression, np.empty((*regression.tau.shape, 0)))
-    whole = np.sum(torque**2, axis=-1)
+    energy = np.sum(torque**2, axis=-1)
     error = cross_validation_error(rows * chosen, torque)
-    return np.asarray(np.divide(error, whole, out=np.zeros(2), where=whole > 0.0))
+    return np.asarray(np.divide(error, energy, out=np.zeros(2), where=energy > 0.0))
 
 
 def driven(regression: Regression, beta: Array) -> NDArray[np.bool_]:

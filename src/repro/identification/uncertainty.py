@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, hadamard
 from scipy.special import fdtri, stdtrit
 
-from repro.identification.extra_terms import LARGEST_SHARE, OF_A_LOG, UNMODELLED_EFFECTS, filtered_columns
+from repro.identification.extra_terms import EFFECTS_PER_LOG, MAX_TORQUE_SHARE, UNMODELLED_EFFECTS, filtered_columns
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.log import Log
 from repro.identification.method import Estimate, Method, NoSolutionError
@@ -67,8 +67,8 @@ def simex(regression: Regression) -> Regression:
     beta = solve(regression.y, regression.tau)
     residual = (regression.tau - regression.y @ beta) * regression.mask
     terms = regression.y[..., :N_SIMEX_TERMS] * beta[:N_SIMEX_TERMS] * regression.mask[..., np.newaxis]
-    whole = np.linalg.norm(terms, axis=(1, 2))
-    fraction = np.linalg.norm(residual, axis=-1) / np.where(whole > 0.0, whole, np.inf)  # of each joint
+    size = np.linalg.norm(terms, axis=(1, 2))
+    fraction = np.linalg.norm(residual, axis=-1) / np.where(size > 0.0, size, np.inf)  # of each joint
     n = regression.t.size
     signs = np.resize(hadamard(16)[:, 1 : 2 * N_SIMEX_TERMS : 2], (n, N_SIMEX_TERMS))
     factors = np.ones((2, n, regression.y.shape[-1]))
@@ -134,24 +134,28 @@ def of_each_log(parts: Sequence[Array]) -> Array:
     return np.stack([block_diag(*joint) for joint in zip(*parts, strict=True)])
 
 
-def unmodelled_effects(logs: Sequence[WeightedLog], own: Regression, plain: Regression) -> dict[str, Perturbation]:
+def unmodelled_effects(
+    logs: Sequence[WeightedLog], regression: Regression, plain: Regression
+) -> dict[str, Perturbation]:
     """Add the columns of each of `UNMODELLED_EFFECTS` to logs, weighted against the regression of the estimate."""
-    beta = solve(own.y, own.tau)
-    forms = [form for each in UNMODELLED_EFFECTS.values() for form in each]
-    of_logs = [[log.weight * one for one in filtered_columns(forms, log.log, log.settings, beta)] for log in logs]
-    columns_of_forms = zip(*of_logs, strict=True)
+    beta = solve(regression.y, regression.tau)
+    all_forms = [form for forms in UNMODELLED_EFFECTS.values() for form in forms]
+    columns_of_logs = [
+        [log.weight * columns for columns in filtered_columns(all_forms, log.log, log.settings, beta)] for log in logs
+    ]
+    columns_of_forms = zip(*columns_of_logs, strict=True)
     results = {}
-    for name, each in UNMODELLED_EFFECTS.items():
-        parts = [next(columns_of_forms) for _ in each]
-        columns = [of_each_log(one) if name in OF_A_LOG else np.concatenate(one, axis=1) for one in parts]
-        projected = [project_out(own, one) for one in columns]
-        weights = [shrinkage(plain, other, one.shape[-1]) for other, one in zip(projected, columns, strict=True)]
+    for name, forms in UNMODELLED_EFFECTS.items():
+        parts = [next(columns_of_forms) for _ in forms]
+        columns = [of_each_log(part) if name in EFFECTS_PER_LOG else np.concatenate(part, axis=1) for part in parts]
+        projected = [project_out(regression, form) for form in columns]
+        weights = [shrinkage(plain, r, form.shape[-1]) for r, form in zip(projected, columns, strict=True)]
         best = int(np.argmax(weights))
-        if name in LARGEST_SHARE and weights[best] > 0.0:
-            both = np.concatenate([own.y, columns[best]], axis=-1)
-            torque = columns[best] @ solve(both, own.tau)[len(beta) :]
-            share, most = np.abs(torque).max(axis=-1), LARGEST_SHARE[name] * np.abs(own.tau).max(axis=-1)
-            weights[best] *= float(np.min(np.divide(most, share, out=np.ones(2), where=share > most))) ** 2
+        if name in MAX_TORQUE_SHARE and weights[best] > 0.0:
+            extended = np.concatenate([regression.y, columns[best]], axis=-1)
+            torque = columns[best] @ solve(extended, regression.tau)[len(beta) :]
+            largest, most = np.abs(torque).max(axis=-1), MAX_TORQUE_SHARE[name] * np.abs(regression.tau).max(axis=-1)
+            weights[best] *= float(np.min(np.divide(most, largest, out=np.ones(2), where=largest > most))) ** 2
         results[name] = Perturbation((projected[best],), weights[best], rival=True)
     return results
 
@@ -167,15 +171,16 @@ def perturbations(logs: Sequence[WeightedLog], plain: Regression, delay_error: f
 
 
 def type_b_variance(
-    solution: Callable[[Regression], Array], beta: Array, others: Mapping[str, Perturbation]
+    solution: Callable[[Regression], Array], beta: Array, perturbations: Mapping[str, Perturbation]
 ) -> tuple[Array, Array]:
     """Compute the variance of type B of an estimate (9,), and the squared shift by errors of the motion (`SIMEX`)."""
     type_b, unmodelled, attenuation = np.zeros((3, len(beta)))
-    for name, other in others.items():
-        square = other.weight * np.mean([np.square(solution(r) - beta) for r in other.regressions], axis=0)
+    for name, perturbation in perturbations.items():
+        shifts = [np.square(solution(r) - beta) for r in perturbation.regressions]
+        square = perturbation.weight * np.mean(shifts, axis=0)
         if name == SIMEX:
             attenuation = square
-        elif other.rival:
+        elif perturbation.rival:
             unmodelled = np.maximum(unmodelled, square / 3.0)  # variance of a rectangular distribution up to that shift
         else:
             type_b += square
@@ -183,7 +188,7 @@ def type_b_variance(
 
 
 def attach_prior(
-    prior: Prior, regression: Regression, others: Mapping[str, Perturbation]
+    prior: Prior, regression: Regression, perturbations: Mapping[str, Perturbation]
 ) -> tuple[Regression, dict[str, Perturbation]]:
     """Add a prior to a regression and its perturbations, and the uncertainty of its means as one more of them.
 
@@ -194,12 +199,12 @@ def attach_prior(
     rows = max(2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0, 1.0)
     variance, y = mean_variance(regression, beta), regression.y.reshape(-1, len(beta))
     sampling = variance * rows * np.diag(np.linalg.pinv(y.T @ y))
-    shifted = sum(type_b_variance(lambda r: solve(r.y, r.tau), beta, others))
+    shifted = sum(type_b_variance(lambda r: solve(r.y, r.tau), beta, perturbations))
     inflation = 1.0 + np.where(sampling > 0.0, shifted / np.where(sampling > 0.0, sampling, 1.0), 0.0)
     prior = replace(prior, variance=variance, correlated=rows, inflation=inflation)
     results = {
-        name: replace(other, regressions=tuple(replace(each, prior=prior) for each in other.regressions))
-        for name, other in others.items()
+        name: replace(perturbation, regressions=tuple(replace(r, prior=prior) for r in perturbation.regressions))
+        for name, perturbation in perturbations.items()
     }
     shifts = tuple(replace(regression, prior=prior.shifted(k)) for k in prior.informative)
     if shifts:
@@ -272,7 +277,7 @@ def bootstrap(
     slow, groups = jackknife(method, regression, first)
     slower = slow > float(fdtri(groups, blocks, 1.0 - F_TEST_LEVEL)) * sampling
     sampling = np.where(slower, slow, sampling)
-    type_b, attenuation = type_b_variance(lambda other: method.repeat(other, first), beta, perturbations)
+    type_b, attenuation = type_b_variance(lambda r: method.repeat(r, first), beta, perturbations)
     if method.unbiased is not None:
         type_b += (method.unbiased(regression).beta - beta) ** 2
     factors = stdtrit(np.where(slower, groups, blocks), 0.975), float(stdtrit(blocks, 0.975))

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from repro.errors import InputError
-from repro.identification.armfile import Arm, Kind, Signal
+from repro.identification.armfile import Arm, Signal, SignalKind
 
 #: Signals of a log and what kind each is.
-KINDS: Final[dict[Signal, Kind]] = {
+KINDS: Final[dict[Signal, SignalKind]] = {
     "time": "time",
     "q1": "position",
     "q2": "position",
@@ -23,9 +23,10 @@ KINDS: Final[dict[Signal, Kind]] = {
 }
 
 _SECOND = ("/s", "s", "/sec", "persec", "ps", "pers", "/second", "s1", "s^1")
+_TURNS = ("rev", "turn", "rot", "rotation", "revolution")
 
 #: How headers spell each unit, after `squeeze`; the first unit of a kind is its SI unit.
-SPELLINGS: Final[dict[Kind, dict[str, tuple[str, ...]]]] = {
+SPELLINGS: Final[dict[SignalKind, dict[str, tuple[str, ...]]]] = {
     "time": {
         "s": ("s", "sec", "secs", "second", "seconds"),
         "ms": ("ms", "msec", "millis", "millisecond", "milliseconds"),
@@ -37,12 +38,14 @@ SPELLINGS: Final[dict[Kind, dict[str, tuple[str, ...]]]] = {
         "rad": ("rad", "rads", "radian", "radians"),
         "deg": ("deg", "degs", "degree", "degrees", "°"),
         "counts": ("counts", "count", "cts", "cnt", "ticks", "tick", "inc", "lsb"),
+        "turns": tuple(f"{unit}{s}" for unit in _TURNS for s in ("", "s")),
     },
     "velocity": {
         "rad/s": tuple(f"{unit}{s}" for unit in ("rad", "radians") for s in _SECOND),
         "deg/s": tuple(f"{unit}{s}" for unit in ("deg", "degrees", "°") for s in _SECOND),
         "rpm": ("rpm", "r/min", "rev/min", "1/min"),
         "counts/s": tuple(f"{unit}{s}" for unit in ("counts", "count", "cts", "ticks") for s in _SECOND),
+        "turns/s": tuple(f"{unit}{s}" for turn in _TURNS for unit in (turn, f"{turn}s") for s in _SECOND),
     },
     "torque": {
         "N m": ("nm", "newtonmeter", "newtonmetre", "newtonmeters", "newtonmetres"),
@@ -57,6 +60,7 @@ SPELLINGS: Final[dict[Kind, dict[str, tuple[str, ...]]]] = {
 _FACTORS: Final = {
     **{"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
     **{"rad": 1.0, "deg": math.pi / 180.0, "rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0},
+    **{"turns": 2.0 * math.pi, "turns/s": 2.0 * math.pi},
     **{"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2},
 }
 
@@ -68,7 +72,7 @@ _WORDS: Final[tuple[tuple[str, tuple[str, ...], str | None], ...]] = (
     ("tau", ("current", "cur"), "A"),
     ("tau", ("pwm",), "counts"),
 )
-_LONG_HEADER = 80  # longest header that a message proposes as a column
+_MAX_PROPOSED_LENGTH = 80  # longest header that a message proposes as a column
 
 SIMULATED: Final = "simulated"  # column of `repro decode` that states whether the simulated board made a recording
 
@@ -90,10 +94,10 @@ def _names() -> dict[str, tuple[Signal, str | None]]:
     """List the squeezed names of columns, each with its signal and the unit that the name implies."""
     times = ("time", "t", "timestamp", "timestamps")
     names: dict[str, tuple[Signal, str | None]] = dict.fromkeys(times, ("time", None))
-    for joint, own in ((1, "shoulder"), (2, "elbow")):
+    for joint, part in ((1, "shoulder"), (2, "elbow")):
         for signal, words, unit in _WORDS:
             for word in words:
-                for name in (f"{word}{joint}", f"joint{joint}{word}", f"{word}joint{joint}", own + word, word + own):
+                for name in (f"{word}{joint}", f"joint{joint}{word}", f"{word}joint{joint}", part + word, word + part):
                     for spelt in (name, f"{name}meas", f"{name}measured", name.replace(word, f"{word}meas")):
                         names[spelt] = (f"{signal}{joint}", unit)  # type: ignore[assignment]
         for name in (f"q{joint}dot", f"theta{joint}dot"):
@@ -120,7 +124,10 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
         raise InputError.at(f"{file}: header", f"columns of a joint 0: {_listed(zero)}", f"joints 1 and 2, or {named}")
     for signal, columns in candidates.items():
         chosen[signal] = _choose(signal, columns, file, notes)
-    if missing := [signal for signal in KINDS if signal not in chosen and KINDS[signal] != "velocity"]:
+    if arm.sampling_rate is not None and (time := chosen.pop("time", None)):
+        notes.append(f"{time.header} is not used: sampling_rate of {arm.file} is {arm.sampling_rate:g} Hz")
+    optional = ("dq1", "dq2", *(("time",) if arm.sampling_rate is not None else ()))
+    if missing := [signal for signal in KINDS if signal not in chosen and signal not in optional]:
         raise _missing(missing, header, chosen, file)
     for signal, other in (("dq1", "dq2"), ("dq2", "dq1")):
         if signal in chosen and other not in chosen:
@@ -208,21 +215,63 @@ def _choose(signal: Signal, columns: list[Column], file: str, notes: list[str]) 
 def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signal, Column], file: str) -> InputError:
     """Report signals without a column, with columns of the file to correct and paste into the arm file."""
     used = {column.header for column in found.values()}
-    free = {squeeze(name): name for name in header if name and name not in used}
-    near, likely = [], {signal: column.header for signal, column in found.items()}
-    for signal in missing:
-        spellings = [name for name, (known, _) in _NAMES.items() if known == signal]
-        others = [(plain, name) for plain, name in free.items() if name not in likely.values()]
-        close = [name for plain, name in others if difflib.get_close_matches(plain, spellings, 1, 0.75)]
-        if close:
-            near.append(f"{close[0]!r} for {signal}")
-            likely[signal] = close[0]
+    free = [name for name in header if name and name not in used and len(name) <= _MAX_PROPOSED_LENGTH]
+    likely = _misspelt(free) | _alike(free)
+    near = [f"{likely[signal]!r} for {signal}" for signal in missing if signal in likely]
     hint = f" (perhaps {', '.join(near)})" if near else ""
-    rest = iter(name for name in free.values() if name not in likely.values() and len(name) <= _LONG_HEADER)
-    columns = {signal: likely.get(signal) or next(rest, "HEADER") for signal in KINDS if signal in {*likely, *missing}}
+    likely |= {signal: column.header for signal, column in found.items()}
+    columns = {signal: likely.get(signal, "HEADER") for signal in KINDS if signal in {*found, *missing}}
     paste = ", ".join(f"{signal}: {json.dumps(name, ensure_ascii=False)}" for signal, name in columns.items())
-    expected = f"a column for {', '.join(missing)}{hint}; for arm.yaml, to correct: columns: {{{paste}}}"
+    without = ", or sampling_rate: HZ if it has none" if "time" in missing else ""
+    expected = f"a column for {', '.join(missing)}{hint}{without}; for arm.yaml, to correct: columns: {{{paste}}}"
     return InputError.at(f"{file}: header", f"the columns {_listed(header)}", expected)
+
+
+#: Words of a header by what they say of it; what was asked for, or worked on later, is not what was measured.
+_KIND_WORDS: Final[dict[str, tuple[str, ...]]] = {
+    "time": ("time", "t", "timestamp", "stamp", "times", "timestamps", "zeit"),
+    "q": ("q", "pos", "position", "positions", "theta", "angle", "angles", "encoder", "winkel"),
+    "tau": ("tau", "torque", "torques", "effort", "efforts", "trq", "current", "currents", "cur", "m", "moment"),
+}
+_NOT_MEASURED: Final = re.compile(
+    r"cmd|command|target|desired|des|ref|setpoint|goal|demand|filt|smooth|lowpass|error|err|residual|vel|speed|dot|acc"
+)
+
+
+def _misspelt(header: Sequence[str]) -> dict[Signal, str]:
+    """Guess columns whose names nearly are those of a signal, with its joint."""
+    guessed: dict[Signal, str] = {}
+    for known, (signal, _) in _NAMES.items():
+        measured = {squeeze(name): name for name in header if not _NOT_MEASURED.search(name.lower())}
+        same_joint = [plain for plain in measured if re.findall(r"\d", plain) == re.findall(r"\d", known)]
+        if near := difflib.get_close_matches(known, same_joint, 1, 0.75):
+            guessed.setdefault(signal, measured[near[0]])
+    return guessed
+
+
+def _alike(header: Sequence[str]) -> dict[Signal, str]:
+    """Guess columns by their words: of the kind that is missing, measured, and the first two joints of a numbering."""
+    by_stem: dict[tuple[str, str], dict[int, str]] = {}
+    guessed: dict[Signal, str] = {}
+    for name in header:
+        words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+|\d+", name)]
+        letters = [word for word in words if word.isalpha()]
+        if any(_NOT_MEASURED.search(word) for word in letters):
+            continue
+        kinds = [kind for kind, known in _KIND_WORDS.items() if set(known) & set(letters)]
+        numbers = [int(word) for word in words if word.isdigit()]
+        if kinds == ["time"] and not numbers:
+            guessed.setdefault("time", name)
+        elif len(kinds) == len(numbers) == 1 and kinds != ["time"]:
+            by_stem.setdefault((kinds[0], re.sub(r"\d+", "#", name)), {})[numbers[0]] = name
+    for kind in ("q", "tau"):
+        joints = [joint for (of, _), joint in by_stem.items() if of == kind and len(joint) > 1]
+        if len(joints) == 1:
+            first, second = sorted(joints[0])[:2]
+            if second == first + 1:
+                signals: tuple[Signal, Signal] = ("q1", "q2") if kind == "q" else ("tau1", "tau2")
+                guessed |= {signals[0]: joints[0][first], signals[1]: joints[0][second]}
+    return guessed
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -255,13 +304,13 @@ def squeeze(text: str) -> str:
     return re.sub(r"[\s_.·⋅*-]", "", text).lower().replace("µ", "u").replace("μ", "u")
 
 
-def unit_named(text: str, kind: Kind) -> str | None:
+def unit_named(text: str, kind: SignalKind) -> str | None:
     """Give the unit of a spelling; None if this kind is not measured in it."""
     plain = squeeze(text)
     return next((unit for unit, spellings in SPELLINGS[kind].items() if plain in spellings), None)
 
 
-def si_unit(kind: Kind) -> str:
+def si_unit(kind: SignalKind) -> str:
     """Give the SI unit of a kind of signal."""
     return next(iter(SPELLINGS[kind]))
 

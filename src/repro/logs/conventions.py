@@ -16,23 +16,23 @@ from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
 
 #: Low-pass, Hz, most samples fitted, and time left out at each end, s: enough to distinguish conventions.
-_CUTOFF, _MOST_SAMPLES, _EDGE = 6.0, 2000, 0.3
+_CUTOFF_HZ, _MAX_SAMPLES, _EDGE_S = 6.0, 2000, 0.3
 #: Another convention is reported if it leaves less than this fraction of the product of both joints' squared errors,
-_ERROR_RATIO = 0.4
+_MAX_ERROR_RATIO = 0.4
 #: and explains a joint up to this fraction of its squared torque,
-_GOOD_ERROR = 0.1
+_MAX_GOOD_ERROR = 0.1
 #: or if it leaves the same, and only this one has a term of the wrong sign with this fraction of the torque.
-_SAME_RATIO, _NOTICEABLE_TERM = 1.0 + 1e-6, 0.15
-_EQUAL_RATIO = 1.1  # ratio of such products up to which two conventions fit equally well
-_USELESS_RESIDUAL = 0.6  # residual above which a fit explains nothing
-_MOST = 0.5  # fraction of a joint's squared torque above which what a fit leaves of it is most of it
+_MAX_SAME_RATIO, _MIN_NOTICEABLE_SHARE = 1.0 + 1e-6, 0.15
+_MAX_EQUAL_RATIO = 1.1  # ratio of such products up to which two conventions fit equally well
+_MAX_RESIDUAL = 0.6  # residual above which a fit explains nothing
+_MAX_UNEXPLAINED = 0.5  # fraction of a joint's squared torque that a fit may leave and still explain the joint
 #: Fits, each with the joints weighted by the errors of the one before: the last has nearly the smallest product.
 _FITS = 4
-_EXACT = 1e-8  # squared error over squared torque that counts as none: a log without noise is explained to rounding
+_MIN_SQUARED_ERROR = 1e-8  # over squared torque; it counts as none: a log without noise is explained to rounding
 #: Singular values of the normal equations below this fraction of the largest count as zero, for unit columns.
-_RANK = 1e-11
-_RESIDUAL_RATIO = 0.5  # a shift in time is reported if it leaves less than this fraction of the residual
-_SMALLEST_DELAY, _LARGEST_DELAY = 0.03, 0.3  # delays examined, s; `repro identify` estimates smaller ones by itself
+_MIN_SINGULAR_RATIO = 1e-11
+_MAX_RESIDUAL_RATIO = 0.5  # a shift in time is reported if it leaves less than this fraction of the residual
+_MIN_DELAY_S, _MAX_DELAY_S = 0.03, 0.3  # delays examined, s; `repro identify` estimates smaller ones by itself
 READS_BETTER = "the log reads better with"  # beginning of the warning of another convention
 
 
@@ -50,6 +50,7 @@ class Convention:
 _SWAP: Final = (0.0, 1.0, 1.0, 0.0)
 _DEGREE: Final = np.pi / 180.0
 _RIGHT: Final = np.pi / 2.0
+_WHOLE: Final = 2.0 * np.pi
 
 #: Of conventions that fit equally well the first is reported.
 CONVENTIONS: Final = (
@@ -64,6 +65,7 @@ CONVENTIONS: Final = (
     Convention("q2 measured from the vertical", "second_joint_absolute: true", (1.0, 0.0, -1.0, 1.0)),
     Convention("q2 relative to link 1", "second_joint_absolute: false", (1.0, 0.0, 1.0, 1.0)),
     Convention("positions in degrees", "units: {position: deg}", (_DEGREE, 0.0, 0.0, _DEGREE)),
+    Convention("positions in turns", "units: {position: turns}", (_WHOLE, 0.0, 0.0, _WHOLE)),
     Convention("q1 = 0 upright", "zero", offset=(np.pi, 0.0)),
     Convention("q1 = 0 horizontal", "zero", offset=(_RIGHT, 0.0)),
     Convention("q1 = 0 horizontal", "zero", offset=(-_RIGHT, 0.0)),
@@ -112,7 +114,7 @@ class Smoothed:
         below, above = (np.linalg.norm(x[:, self.chosen], axis=1) for x in (self.tau, self.noise))
         if (below > above).all():
             return []
-        return (np.flatnonzero((below <= above) & (_fit(self, _AS_GIVEN).error > _MOST)) + 1).tolist()
+        return (np.flatnonzero((below <= above) & (_fit(self, _AS_GIVEN).error > _MAX_UNEXPLAINED)) + 1).tolist()
 
 
 _AS_GIVEN: Final = Convention("", "")
@@ -138,26 +140,26 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
     others = [convention for convention in CONVENTIONS if convention.remedy != in_force]
     fits = [(_fit(s, convention, arm.second_joint_absolute), convention) for convention in others]
     least = min((fit for fit, _ in fits), key=lambda fit: fit.ratio(given))
-    if least.ratio(given) < _ERROR_RATIO and least.error.min() < _GOOD_ERROR:
-        equal = [pair for pair in fits if pair[0].ratio(least) < _EQUAL_RATIO]
+    if least.ratio(given) < _MAX_ERROR_RATIO and least.error.min() < _MAX_GOOD_ERROR:
+        equal = [pair for pair in fits if pair[0].ratio(least) < _MAX_EQUAL_RATIO]
         best, convention = min(equal, key=lambda pair: pair[0].n_impossible)
         reason = f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %"
         yield _advice(convention, reason, log, arm)
     elif noisy:
         return
-    elif given.residual > _USELESS_RESIDUAL:
+    elif given.residual > _MAX_RESIDUAL:
         found = f"Eq. 1 explains little of the torque (residual {100.0 * given.residual:.0f} %)"
         remedy = "check units, signs, zeros and which column is which"
         yield f"{found} with any single change of how the log is read: {remedy}"
     elif given.n_impossible:
-        same = [(fit, c) for fit, c in fits if 1.0 / _SAME_RATIO < fit.ratio(given) < _SAME_RATIO]
+        same = [(fit, c) for fit, c in fits if 1.0 / _MAX_SAME_RATIO < fit.ratio(given) < _MAX_SAME_RATIO]
         for convention in [convention for fit, convention in same if fit.n_impossible == 0][:1]:
             yield _advice(convention, "as given, inertia, gravity or friction come out negative", log, arm)
 
 
 def late_torque(s: Smoothed, delay: float) -> Iterator[str]:
     """Report a torque that fits the motion far better with another delay than this one (s), that of the arm file."""
-    reach = round(_LARGEST_DELAY / s.h)
+    reach = round(_MAX_DELAY_S / s.h)
     inner = s.chosen[(s.chosen >= reach) & (s.chosen < s.q.shape[1] - reach)]
     if inner.size < 20 or s.noisy_joints():
         return
@@ -169,7 +171,7 @@ def late_torque(s: Smoothed, delay: float) -> Iterator[str]:
     given = _residual(basis, s.tau[:, inner - known].ravel())
     best = int(np.argmin(residuals))
     better = float(shifts[best]) * s.h
-    if abs(better - known * s.h) >= _SMALLEST_DELAY and residuals[best] <= _RESIDUAL_RATIO * given:
+    if abs(better - known * s.h) >= _MIN_DELAY_S and residuals[best] <= _MAX_RESIDUAL_RATIO * given:
         when = f"{abs(better):.3f} s {'later' if better > 0 else 'earlier'} than recorded"
         reason = f"residual {100 * residuals[best]:.0f} % instead of {100 * given:.0f} %"
         remedy = f"check the time stamps, or write into the arm file: delay: {better:.3g}"
@@ -206,7 +208,7 @@ def low_pass(signals: Array, h: float) -> Array:
     n = signals.shape[-1]
     line = np.linspace(signals[..., 0], signals[..., -1], n, axis=-1)
     angle = 0.5 * np.pi * np.arange(1, n - 1) / (n - 1)
-    gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * min(_CUTOFF * h, 0.4))) ** 4)
+    gain = 1.0 / (1.0 + (np.tan(angle) / np.tan(np.pi * min(_CUTOFF_HZ * h, 0.4))) ** 4)
     line[..., 1:-1] += idst(gain * dst((signals - line)[..., 1:-1], type=1), type=1)
     return line
 
@@ -217,8 +219,8 @@ def smoothed(log: Log) -> Smoothed:
     h = period(even)
     q, tau = low_pass(even.q, h), low_pass(even.tau, h)
     dq = np.gradient(q, h, axis=1)
-    edge, n = round(_EDGE / h), q.shape[1]
-    chosen = np.arange(edge, n - edge, -(-n // _MOST_SAMPLES))
+    edge, n = round(_EDGE_S / h), q.shape[1]
+    chosen = np.arange(edge, n - edge, -(-n // _MAX_SAMPLES))
     return Smoothed(q, dq, np.gradient(dq, h, axis=1), tau, h, chosen, even.tau - tau)
 
 
@@ -229,10 +231,11 @@ def fit_joints(y: Array, tau: Array) -> tuple[Array, Array]:
     error, beta = size, np.zeros(y.shape[-1])
     for _ in range(_FITS):
         weight = 1.0 / np.where(error > 0.0, error, 1.0)
-        both = np.tensordot(weight, gram, 1)
-        length = np.sqrt(np.where(both.diagonal() > 0.0, both.diagonal(), 1.0))
-        beta = np.linalg.lstsq(both / length / length[:, np.newaxis], weight @ right / length, _RANK)[0] / length
-        error = np.maximum(np.sum((y @ beta - tau) ** 2, axis=1), _EXACT * size)
+        normal = np.tensordot(weight, gram, 1)
+        length = np.sqrt(np.where(normal.diagonal() > 0.0, normal.diagonal(), 1.0))
+        scaled = normal / length / length[:, np.newaxis]
+        beta = np.linalg.lstsq(scaled, weight @ right / length, _MIN_SINGULAR_RATIO)[0] / length
+        error = np.maximum(np.sum((y @ beta - tau) ** 2, axis=1), _MIN_SQUARED_ERROR * size)
     return beta, error
 
 
@@ -240,8 +243,8 @@ def _fit(smoothed: Smoothed, convention: Convention, absolute: bool = False) -> 
     """Fit Eq. 1 with a convention, each joint weighted by its own error; recorded angles of joint 2 may be absolute."""
     k, relative = smoothed.chosen, np.array([[1.0, 0.0], [-float(absolute), 1.0]])
     recorded, torque = (np.reshape(matrix, (2, 2)) for matrix in (convention.position, convention.torque))
-    both = recorded, recorded / np.abs(recorded).max(axis=1, keepdims=True)
-    position, sense = (relative @ matrix @ np.linalg.inv(relative) for matrix in both)
+    matrices = recorded, recorded / np.abs(recorded).max(axis=1, keepdims=True)
+    position, sense = (relative @ matrix @ np.linalg.inv(relative) for matrix in matrices)
     q = position @ smoothed.q[:, k] + np.array(convention.offset)[:, np.newaxis]
     dq, tau = position @ smoothed.dq[:, k], torque @ smoothed.tau[:, k]
     y = regressor(q, dq, position @ smoothed.ddq[:, k])
@@ -251,9 +254,9 @@ def _fit(smoothed: Smoothed, convention: Convention, absolute: bool = False) -> 
     error = left / size
     terms = y * beta  # (2, n, 9): torque of each parameter
     share = np.sqrt(np.sum(terms**2, axis=1) / size[:, np.newaxis]).max(axis=0)
-    negative = (beta[:5] < 0.0) & (share[:5] > _NOTICEABLE_TERM)
+    negative = (beta[:5] < 0.0) & (share[:5] > _MIN_NOTICEABLE_SHARE)
     friction = terms[..., 5:].sum(-1)
-    noticeable = np.linalg.norm(friction, axis=1) > _NOTICEABLE_TERM * np.linalg.norm(tau, axis=1)
+    noticeable = np.linalg.norm(friction, axis=1) > _MIN_NOTICEABLE_SHARE * np.linalg.norm(tau, axis=1)
     drives = noticeable & (np.sum(friction * dq, axis=1) < 0.0)
     return _Fit(error, float(np.sqrt(error @ size / size.sum())), int(negative.sum() + drives.sum()))
 

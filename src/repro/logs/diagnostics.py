@@ -9,15 +9,15 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from repro.identification.armfile import Arm
-from repro.identification.log import GAP, STILL, Log, half_window, missing_samples, period, speed
+from repro.identification.log import MAX_PERIOD_RATIO, MIN_RANGE_RAD, Log, half_window, missing_samples, period, speed
 from repro.logs.conventions import better_convention, late_torque, smoothed
 from repro.logs.torque_limits import quantisation_step, saturated
 from repro.model.parameters import Array
 
 _TURN: Final = 2.0 * np.pi
-AT_REST = 0.02  # speed below which a joint is at rest, rad/s
+MAX_REST_SPEED = 0.02  # speed below which a joint is at rest, rad/s
 #: Deviation of a torque from the median of five samples, in ranges that contain 90 % of them. The real arms reach 3.5.
-SPIKE = 5.0
+MAX_TORQUE_DEVIATION = 5.0
 #: Ratios of recorded velocity to differentiated position that have a known cause.
 _RATIOS: Final = (
     (
@@ -38,7 +38,7 @@ _RATIOS: Final = (
 
 def still_joint(log: Log) -> Iterator[str]:
     """Report the first joint that does not move."""
-    still = [(joint, moved) for joint, moved in enumerate(np.ptp(log.q, axis=1), 1) if moved < STILL]
+    still = [(joint, moved) for joint, moved in enumerate(np.ptp(log.q, axis=1), 1) if moved < MIN_RANGE_RAD]
     for joint, moved in still[:1]:
         found = f"joint {joint} does not move ({moved:.2g} rad)"
         yield f"{found}, so its friction and inertia are not excited: record a motion of both joints"
@@ -72,7 +72,7 @@ def position_jump(log: Log) -> Iterator[str]:
     """Report a position that jumps, other than by a full turn."""
     dt = np.diff(log.t)
     for joint, q in enumerate(log.q, 1):
-        steps = np.where(dt < GAP * period(log), np.abs(np.diff(q)), 0.0)
+        steps = np.where(dt < MAX_PERIOD_RATIO * period(log), np.abs(np.diff(q)), 0.0)
         usual = median_filter(steps, 11, mode="nearest")
         if (jumps := np.flatnonzero((steps > 0.1) & (steps > 8.0 * usual))).size:
             k = int(jumps[0])
@@ -86,7 +86,7 @@ def torque_spikes(log: Log) -> Iterator[str]:
     far = np.abs(log.tau - median_filter(log.tau, (1, 5), mode="nearest"))
     low, high = np.percentile(log.tau, (5.0, 95.0), axis=1)
     for joint, (apart, usual) in enumerate(zip(far, high - low, strict=True), 1):
-        if usual > 0.0 and (spikes := np.flatnonzero(apart > SPIKE * usual)).size:
+        if usual > 0.0 and (spikes := np.flatnonzero(apart > MAX_TORQUE_DEVIATION * usual)).size:
             at = ", ".join(f"{log.t[k]:.4g}" for k in spikes[:5]) + " ..." * (spikes.size > 5)
             found = f"the torque of joint {joint} has spikes at {at} s ({spikes.size} such)"
             yield f"{found}: check sensor and bus, and delete these rows of the log"
@@ -194,13 +194,13 @@ def _timing(log: Log) -> Iterator[tuple[str, str]]:
 
 
 def _motion(log: Log) -> Iterator[tuple[str, str]]:
-    moving = np.abs(speed(log))
+    speeds = np.abs(speed(log))
     for joint, q in enumerate(log.q):
         low, high = q.min(), q.max()
         in_degrees = f"{np.rad2deg(low):.1f} to {np.rad2deg(high):.1f} deg"
         yield f"position of joint {joint + 1}", f"{low:.3f} to {high:.3f} rad ({in_degrees})"
-        yield f"top speed of joint {joint + 1}", f"{moving[joint].max():.3g} rad/s"
-        yield f"at rest, joint {joint + 1}", f"{100.0 * np.mean(moving[joint] < AT_REST):.1f} % of the time"
+        yield f"top speed of joint {joint + 1}", f"{speeds[joint].max():.3g} rad/s"
+        yield f"at rest, joint {joint + 1}", f"{100.0 * np.mean(speeds[joint] < MAX_REST_SPEED):.1f} % of the time"
         yield f"step of position {joint + 1}", _step(q, "rad")
     yield "velocity", "none recorded" if log.dq is None else "recorded"
 

@@ -11,23 +11,24 @@ from numpy.typing import NDArray
 from repro.board.capture import read_capture, recording_of
 from repro.errors import InputError
 from repro.identification.armfile import Arm, Signal, read_arm
-from repro.identification.log import FEWEST, SHORTEST, STILL, Log, segments
+from repro.identification.log import MIN_LENGTH_S, MIN_RANGE_RAD, MIN_SAMPLES, Log, segments
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor, unused_constants
+from repro.logs.instants import continued, merged, unwrapped
 from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
 from repro.logs.torque_limits import saturated
 from repro.model.parameters import Array
 
-_SLOWEST, _FASTEST = 5.0, 20e3  # rates that an arm is recorded at, Hz
-_LIKELY = (20.0, 10e3)  # rates that most arms are recorded at, Hz
+_MIN_RATE_HZ, _MAX_RATE_HZ = 5.0, 20e3  # rates that an arm is recorded at
+_LIKELY_RATES_HZ = (20.0, 10e3)  # rates that most arms are recorded at
 #: Largest magnitudes of a time (in the file), a position (rad), a velocity (rad/s) and a torque (N m).
-_LARGEST_TIME, _LARGEST = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "rad/s"), ("torque", 1e9, "N m"))
-_SMALLEST = 1e-12  # smallest of the largest torques of a joint, N m: the square of a smaller one underflows
-_ALWAYS = 0.9  # fraction of samples at the torque limit above which a drive is always saturated
+_MAX_TIME, _MAX_MAGNITUDES = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "rad/s"), ("torque", 1e9, "N m"))
+_MIN_TORQUE_NM = 1e-12  # largest torque of a joint that is large enough: the square of a smaller one underflows
+_MAX_SATURATED = 0.9  # fraction of samples at the torque limit, above which a log is refused
 _TURN = 2.0 * np.pi
-_FAR = 2.0 * _TURN  # range of a position, rad, beyond which its unit must be stated
+_MAX_RANGE_WITHOUT_UNIT = 2.0 * _TURN  # range of a position, rad, beyond which its unit must be stated
 #: What a recording is read from.
 Source = Path | pd.DataFrame | Log
-_WRAP = 0.05  # steps within this fraction of a full turn are the wrap of an angle
+_MAX_WRAP_ERROR = 0.05  # difference of a step from a full turn, in turns, below which it is the wrap of an angle
 
 
 def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
@@ -115,19 +116,41 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
     """Read a table or bag in SI, signs and zeros as recorded."""
     columns, notes = find_columns(table.header, arm, table.file)
     notes = (*notes, *unused_constants(columns, arm, table.file))
-    values, lines, more = table.numbers([column.index for column in columns.values()])
-    kept, left_out = _full_rows(table.file, lines, list(columns), values)
+    place = list(columns).index("time") if "time" in columns else None
+    values, lines, more = table.numbers([column.index for column in columns.values()], place)
+    if place is not None:
+        needed = np.array([KINDS[signal] != "velocity" for signal in columns])
+        values[place], wraps = continued(values[place])
+        values, whole, joined = merged(values, needed, place)
+        lines = lines[whole]
+        more = (*more, *filter(None, (wraps and f"time is {wraps} that begins again; it is continued", joined)))
+    rows, left_out = _full_rows(table.file, lines, list(columns), values)
     notes = (*table.notes, *more, *notes, *left_out)
-    recorded = {signal: row for signal, row in zip(columns, values[:, kept], strict=True) if not np.isnan(row).any()}
-    si = {name: si_factor(name, str(columns[name].unit), arm, table.file) * row for name, row in recorded.items()}
-    for joint in ("q1", "q2"):
-        if columns[joint].assumed and np.ptp(si[joint]) > _FAR:
+    recorded = {signal: x for signal, x in zip(columns, values[:, rows], strict=True) if not np.isnan(x).any()}
+    positions: tuple[Signal, Signal] = ("q1", "q2")
+    for position in positions:
+        if columns[position].unit == "counts":
+            recorded[position], modulus = unwrapped(recorded[position])
+            notes = (
+                *notes,
+                *(
+                    [f"{position} wraps at {modulus} counts; unwrapped: its zero is known but for multiples"]
+                    if modulus
+                    else []
+                ),
+            )
+    si = {signal: si_factor(signal, str(columns[signal].unit), arm, table.file) * x for signal, x in recorded.items()}
+    if arm.sampling_rate is not None:
+        si["time"], recorded["time"] = (np.arange(values.shape[1], dtype=np.float64)[rows] / arm.sampling_rate,) * 2
+    for joint in positions:
+        if columns[joint].assumed and np.ptp(si[joint]) > _MAX_RANGE_WITHOUT_UNIT:
             turned = float(np.ptp(si[joint]))
             found, degrees = f"no unit, and {turned / _TURN:.3g} turns if it is rad", f"{np.radians(turned):.3g} rad"
             expected = f"in the arm file units: {{position: deg}}, which makes it {degrees}, or counts, or rad"
             raise InputError.at(f"{table.file}: {columns[joint].header}", found, expected)
     time = si["time"]
-    _check_time(time, recorded["time"], str(columns["time"].unit), table.file, lines[kept])
+    unit = "s" if arm.sampling_rate is not None else str(columns["time"].unit)
+    _check_time(time, recorded["time"], unit, table.file, lines[rows])
     if time[0] != 0.0:
         notes = (*notes, f"time is counted from the first sample, at {time[0]:.10g} s in the file")
     q, tau = np.stack([si["q1"], si["q2"]]), np.stack([si["tau1"], si["tau2"]])
@@ -142,22 +165,23 @@ def _full_rows(
     """Select rows without an empty cell that are no copy of the row before, with notes on the others."""
     needed = [KINDS[signal] != "velocity" for signal in signals]
     empty = np.isnan(values[needed]).any(0)
-    kept, notes = np.flatnonzero(~empty), []
-    if kept.size < min(FEWEST, empty.size):
+    full_rows, notes = np.flatnonzero(~empty), []
+    if full_rows.size < min(MIN_SAMPLES, empty.size):
         worst = signals[int(np.argmax(np.isnan(values).sum(1) * needed))]
         found = f"an empty cell there and in {empty.sum() - 1} more of {empty.size} rows, most of {worst}"
         row = int(np.argmax(empty))
-        raise InputError.at(f"{file}: line {lines[row]}", found, f"at least {FEWEST} full rows")
-    full = values[:, kept]
+        raise InputError.at(f"{file}: line {lines[row]}", found, f"at least {MIN_SAMPLES} full rows")
+    full = values[:, full_rows]
     with np.errstate(over="ignore"):  # the size of numbers is checked later
         copies = np.r_[False, ((full[:, 1:] == full[:, :-1]) | np.isnan(full[:, 1:] + full[:, :-1])).all(0)]
-    for rows, reason in ((np.flatnonzero(empty), "with empty cells"), (kept[copies], "equal to the one before")):
+    copies &= "time" in signals  # evenly spaced samples may be equal
+    for rows, reason in ((np.flatnonzero(empty), "with empty cells"), (full_rows[copies], "equal to the one before")):
         if rows.size:
             plural, where = "s" * (rows.size > 1), list_lines(lines[rows])
             notes.append(f"{rows.size} row{plural} {reason} left out: {where}")
     if np.isnan(full).any():
         notes.append("velocity is ignored, because it has empty cells of its own")
-    return kept[~copies], notes
+    return full_rows[~copies], notes
 
 
 def to_eq1(log: Log, arm: Arm) -> Log:
@@ -165,7 +189,7 @@ def to_eq1(log: Log, arm: Arm) -> Log:
     pairs = (arm.sign, arm.zero, arm.torque_offset, arm.torque_scale, arm.torque_sign)
     sign, zero, offset, scale, torque_sign = (np.array(pair)[:, np.newaxis] for pair in pairs)
     steps = np.diff(log.q, axis=1, prepend=log.q[:, :1])
-    turns = np.where(np.abs(np.abs(steps) - _TURN) < _WRAP * _TURN, np.sign(steps), 0.0)
+    turns = np.where(np.abs(np.abs(steps) - _TURN) < _MAX_WRAP_ERROR * _TURN, np.sign(steps), 0.0)
     q = sign * (log.q - _TURN * np.cumsum(turns, axis=1) - zero)
     tau = sign * torque_sign * (log.tau - offset) / scale
     limit = None if log.torque_limit is None else (log.torque_limit - np.abs(offset[:, 0])) / scale[:, 0]
@@ -181,10 +205,10 @@ def to_eq1(log: Log, arm: Arm) -> Log:
 
 def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Sequence[int] | NDArray[np.int64]) -> None:
     """Refuse too few samples, times that do not increase, and rates that no arm is recorded at."""
-    if time.size < FEWEST:
-        raise InputError.at(file, f"{time.size} samples", f"at least {FEWEST}")
-    if np.abs(recorded).max() > _LARGEST_TIME:
-        raise InputError.at(f"{file}: time", f"{np.abs(recorded).max():.3g} {unit}", f"at most {_LARGEST_TIME:g}")
+    if time.size < MIN_SAMPLES:
+        raise InputError.at(file, f"{time.size} samples", f"at least {MIN_SAMPLES}")
+    if np.abs(recorded).max() > _MAX_TIME:
+        raise InputError.at(f"{file}: time", f"{np.abs(recorded).max():.3g} {unit}", f"at most {_MAX_TIME:g}")
     steps = np.diff(recorded)
     if (wrong := np.flatnonzero(steps <= 0.0)).size:
         k = int(wrong[0])
@@ -194,35 +218,40 @@ def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Seque
         expected = "time that increases; of two runs in one file, a file for each"
         raise InputError.at(f"{file}: line {lines[k + 1]}, time", found, expected)
     rate = 1.0 / float(np.median(np.diff(time)))
-    if not _SLOWEST <= rate <= _FASTEST:
+    if not _MIN_RATE_HZ <= rate <= _MAX_RATE_HZ:
         period = float(np.median(steps))
         found = f"a period of {period:.4g} {unit}, so a rate of {rate:.4g} Hz"
-        rates = {other: 1.0 / (period * si_factor("time", other, Arm())) for other in SPELLINGS["time"]}
-        likely = [f"{other} ({hz:.4g} Hz)" for other, hz in rates.items() if _LIKELY[0] <= hz <= _LIKELY[1]]
+        rates = {name: 1.0 / (period * si_factor("time", name, Arm())) for name in SPELLINGS["time"]}
+        low, high = _LIKELY_RATES_HZ
+        likely = [f"{name} ({hz:.4g} Hz)" for name, hz in rates.items() if low <= hz <= high]
         unless = f"unless time is in {' or '.join(likely)}: then give" if likely else "or another unit of time:"
-        expected = f"{_SLOWEST:g} to {_FASTEST:g} Hz, {unless} units.time in the arm file"
+        expected = f"{_MIN_RATE_HZ:g} to {_MAX_RATE_HZ:g} Hz, {unless} units.time in the arm file"
         raise InputError.at(f"{file}: time", found, expected)
-    if time[-1] - time[0] < SHORTEST:
-        raise InputError.at(file, f"{time[-1] - time[0]:.3g} s", f"at least {SHORTEST:g} s")
+    if time[-1] - time[0] < MIN_LENGTH_S:
+        raise InputError.at(file, f"{time[-1] - time[0]:.3g} s", f"at least {MIN_LENGTH_S:g} s")
 
 
 def _check_signals(log: Log, file: str) -> None:
     """Refuse absurd magnitudes, an arm that does not move, and torques that are constant or always at the limit."""
-    for signal, (kind, most, unit) in zip((log.q, log.dq, log.tau), _LARGEST, strict=True):
+    for signal, (kind, most, unit) in zip((log.q, log.dq, log.tau), _MAX_MAGNITUDES, strict=True):
         if signal is not None and np.abs(signal).max() > most:
             raise InputError.at(f"{file}: {kind}", f"{np.abs(signal).max():.3g} {unit}", f"at most {most:g} {unit}")
     moved = np.ptp(log.q, axis=1)
-    if moved.max() < STILL:
+    if moved.max() < MIN_RANGE_RAD:
         found = f"an arm that does not move ({moved[0]:.2g} and {moved[1]:.2g} rad)"
-        raise InputError.at(f"{file}: position", found, f"joints that move by {STILL:g} rad and more")
+        raise InputError.at(f"{file}: position", found, f"joints that move by {MIN_RANGE_RAD:g} rad and more")
     for joint, tau in enumerate(log.tau, 1):
         place, most = f"{file}: torque of joint {joint}", np.abs(tau).max()
         if np.ptp(tau) == 0.0:
             found = "zero throughout" if tau[0] == 0.0 else f"{tau[0]:.6g} N m throughout"
             raise InputError.at(place, found, "a torque that changes")
-        if most < _SMALLEST:
-            raise InputError.at(place, f"{most:.3g} N m at most", f"a torque of {_SMALLEST:g} N m and more")
+        if most < _MIN_TORQUE_NM:
+            raise InputError.at(place, f"{most:.3g} N m at most", f"a torque of {_MIN_TORQUE_NM:g} N m and more")
     for joint, fraction in enumerate(saturated(log).mean(axis=1), 1):
-        if fraction > _ALWAYS:
+        if fraction > _MAX_SATURATED:
             found = f"saturated throughout ({100.0 * fraction:.0f} % of the samples at the limit)"
-            raise InputError.at(f"{file}: torque of joint {joint}", found, "a torque below the drive's limit")
+            raise InputError.at(
+                f"{file}: torque of joint {joint}",
+                found,
+                "a torque below the drive's limit; torque_limit in the arm file if this is not it",
+            )

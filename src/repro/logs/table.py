@@ -19,12 +19,15 @@ from numpy.typing import NDArray
 
 from repro.documents import check_size
 from repro.errors import InputError, require
+from repro.logs.columns import SPELLINGS, unit_named
+from repro.logs.instants import seconds_of
 from repro.model.parameters import Array
 
-MOST_ROWS, MOST_COLUMNS = 1_000_000, 1000  # most rows and columns of a log
-LARGEST, LONGEST_LINE = 512 << 20, 1 << 20  # largest file, and most bytes without a line end
-_HEAD = 1000  # most lines of comments before the header
-_BLOCK = 2_000  # lines that are read at a time
+MAX_ROWS, MAX_COLUMNS = 1_000_000, 1000  # most rows and columns of a log
+MAX_FILE_BYTES, MAX_LINE_BYTES = 512 << 20, 1 << 20  # largest file, and most bytes without a line end
+_MAX_COMMENT_LINES = 1000  # most lines of comments before the header
+_LINES_PER_BLOCK = 2_000  # lines that are read at a time
+COMMENTS = ("#", "%")  # what lines of comments begin with
 _EXPECTED = "a CSV table: a header, then rows of numbers"
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Numbers with a decimal comma, and those among them that could be integers with digits in groups.
@@ -35,7 +38,17 @@ _CONTROL = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 _OTHER_FORMATS = {
     (b"\xff\xfe\x00\x00", b"\x00\x00\xfe\xff"): ("UTF-32 text", "UTF-8 text, a CSV table"),
     (b"\xff\xfe", b"\xfe\xff"): ("UTF-16 text", "UTF-8 text, a CSV table"),
-    (b"PK\x03\x04", b"\x1f\x8b"): ("a compressed file or a spreadsheet", _EXPECTED),
+    (b"MATLAB 5.0 MAT",): (
+        "a file of MATLAB",
+        f"{_EXPECTED}; in MATLAB: writetable(table(t, q1, q2, tau1, tau2), 'log.csv')",
+    ),
+    (b"\x89HDF",): ("an HDF5 file, as MATLAB writes it, too", f"{_EXPECTED}; in Python: h5py, then to_csv of pandas"),
+    (b"\x93NUMPY",): ("an array of NumPy", f"{_EXPECTED}; in Python: pandas.DataFrame(array, columns=NAMES).to_csv"),
+    (b"PK\x03\x04", b"\x1f\x8b"): (
+        "a compressed file, arrays of NumPy (.npz) or a spreadsheet",
+        f"{_EXPECTED}, not packed",
+    ),
+    (b"{", b"[{"): ("JSON", f"{_EXPECTED}; in Python: pandas.read_json(FILE, lines=True).to_csv"),
 }
 
 #: Line of the file, from 1, and as many cells as the header has, of each row.
@@ -51,21 +64,29 @@ class Table:
     blocks: Callable[[], Iterable[Rows]]  # gives the rows, some at a time
     notes: tuple[str, ...] = ()  # how it was read, where not as usual
 
-    def numbers(self, columns: Sequence[int]) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
-        """Read k columns as numbers (k, N), NaN for empty cells, with the line of each row (N,) and notes."""
-        readers = [_Column(f"column {self.header[index]}") for index in columns]
+    def numbers(
+        self, columns: Sequence[int], time: int | None = None
+    ) -> tuple[Array, NDArray[np.int64], tuple[str, ...]]:
+        """Read k columns as numbers (k, N), NaN for empty cells, with the line of each row (N,) and notes.
+
+        The one at the place `time` may have dates and clock times, which are read as seconds.
+        """
+        readers = [_Column(f"column {self.header[index]}", k == time) for k, index in enumerate(columns)]
         lines: list[int] = []
         for rows in self.blocks():
             numbers = [line for line, _ in rows]
             lines += numbers
-            if len(lines) > MOST_ROWS:
-                expected = f"at most {MOST_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
-                raise InputError.at(self.file, f"more than {MOST_ROWS} rows", expected)
+            if len(lines) > MAX_ROWS:
+                expected = f"at most {MAX_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
+                raise InputError.at(self.file, f"more than {MAX_ROWS} rows", expected)
             for column, index in zip(readers, columns, strict=True):
                 column.add(numbers, [cells[index] for _, cells in rows])
         self._check(readers)
         values = np.stack([np.concatenate(column.values) for column in readers])
-        notes = ("numbers have a decimal comma",) if any("comma" in column.first for column in readers) else ()
+        notes: tuple[str, ...] = (
+            ("numbers have a decimal comma",) if any("comma" in column.first for column in readers) else ()
+        )
+        notes += ("dates and clock times are read as seconds",) if any(column.stamped for column in readers) else ()
         return values, np.array(lines), notes
 
     def _check(self, columns: Sequence["_Column"]) -> None:
@@ -86,8 +107,9 @@ class Table:
 class _Column:
     """Numbers of a column, and its first cell of each kind of error."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, stamps: bool) -> None:
         self.name, self.values = name, list[Array]()
+        self.stamps, self.stamped = stamps, False  # whether cells may be dates and clock times, and whether one is
         # Whether a cell has a point, and whether each comma could be for groups of digits.
         self.point, self.grouped = False, True
         # Line, column and text by kind: a comma, an underscore (Python takes 1_000 for a number), a wrong number
@@ -105,6 +127,9 @@ class _Column:
         self.values.append(values)
 
     def _read(self, line: int, cell: str) -> float:
+        if self.stamps and (moment := seconds_of(cell)) is not None:
+            self.stamped = True
+            return moment
         place = (line, self.name, cell)
         self.point = self.point or "." in cell
         if _COMMA.fullmatch(cell):
@@ -121,19 +146,27 @@ class _Column:
 def read_table(path: Path) -> Table:
     """Read the header of a CSV file, perhaps in a comment, and check its first rows; `Table.numbers` reads the rest."""
     size = check_text(path)
-    if size > 2 * MOST_ROWS + _HEAD:  # half of the lines may be blank
-        raise InputError.at(str(path), f"{size} lines", f"at most {2 * MOST_ROWS}, half of them blank")
-    (place, header), (begin, row) = _head(path)
+    if size > 2 * MAX_ROWS + _MAX_COMMENT_LINES:  # half of the lines may be blank
+        raise InputError.at(str(path), f"{size} lines", f"at most {2 * MAX_ROWS}, half of them blank")
+    head = _head(path)
+    (place, header), (begin, row) = head.header, head.row
     separator = _separator(f"{path}: line {place}", header, row)
     cells = _cells(header, separator)
     if place == begin and len(cells) != len(_cells(row, separator)):
         raise _unnamed(path, begin, row)
-    if len(cells) > MOST_COLUMNS:
-        raise InputError.at(f"{path}: header", f"{len(cells)} columns", f"at most {MOST_COLUMNS}")
-    names, blocks = _names(str(path), cells), partial(_blocks, path, begin, separator, len(cells))
+    if len(cells) > MAX_COLUMNS:
+        raise InputError.at(f"{path}: header", f"{len(cells)} columns", f"at most {MAX_COLUMNS}")
+    blocks = partial(_blocks, path, begin, separator, cells)
     next(blocks())  # rows of another length are a clearer error than a missing column
-    notes = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
-    return Table(str(path), names, blocks, notes)
+    notes: tuple[str, ...] = () if separator == "," else (f"columns are separated by {_SEPARATORS[separator]}",)
+    notes += (f"{list_lines(head.skipped)} before the header left out",) if head.skipped else ()
+    if head.units:
+        units = [unit.strip().strip("[]()") for unit in _cells(head.units, separator)]
+        cells = [
+            f"{name.strip()} [{unit}]" if unit.strip("-") else name for name, unit in zip(cells, units, strict=True)
+        ]
+        notes += ("the line below the header states units",)
+    return Table(str(path), _names(str(path), cells), blocks, notes)
 
 
 def _names(file: str, header: Sequence[object]) -> tuple[str, ...]:
@@ -161,12 +194,68 @@ def _cell(value: object) -> str:
     return repr(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else str(value)
 
 
-def _head(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:
-    """Find the header and the first row, each with its line; a header in a comment has the line of the row."""
+@dataclass(frozen=True)
+class _Head:
+    """Header and first row, each with its line; a header in a comment has the line of the row."""
+
+    header: tuple[int, str]
+    row: tuple[int, str]
+    units: str = ""  # line of units between them
+    skipped: tuple[int, ...] = ()  # lines before the header
+
+
+def _head(path: Path) -> _Head:
+    """Find the header and the first row: what stands before the rows, or else the first two lines."""
+    found = _above_rows(path)
+    return found if found else _Head(*_first_lines(path))
+
+
+def _above_rows(path: Path) -> _Head | None:
+    """Find the last line before the first row that has as many cells, perhaps with a line of units between them."""
+    texts: list[tuple[int, str]] = []
+    comment = ""
+    for line in islice(_filled(path), _MAX_COMMENT_LINES):
+        if line[1].startswith(COMMENTS):
+            comment = line[1].lstrip("#% ")
+            continue
+        if not _is_row(line[1]):
+            texts.append(line)
+            continue
+        separator = max(_SEPARATORS, key=lambda each: (len(_cells(line[1], each)), each != " "))
+        count = len(_cells(line[1], separator))
+        if not texts and not _is_numbers(line[1]) and len(_cells(comment, separator)) == count:
+            return _Head((line[0], comment), line)
+        fits = [k for k, (_, text) in enumerate(texts) if len(_cells(text, separator)) == count]
+        if not fits or fits[-1] != len(texts) - 1:
+            return None
+        last = fits[-1]
+        units = len(fits) > 1 and fits[-2] == last - 1 and _are_units(_cells(texts[last][1], separator))
+        header = last - units
+        skipped = tuple(number for number, _ in texts[:header])
+        return _Head(texts[header], line, texts[last][1] if units else "", skipped)
+    return None
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line is of numbers, times and empty cells, with fewer words than these."""
+    separator = next((each for each in (";", "\t", "|", ",") if each in line), " ")
+    cells = [cell.strip() for cell in _cells(line, separator)]
+    numbers = sum(seconds_of(cell) is not None or not math.isnan(_number(cell.replace(",", "."))) for cell in cells)
+    return numbers > 1 and 2 * numbers > sum(cell.lower() not in _EMPTY for cell in cells)
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether cells are units, or empty."""
+    named = [cell.strip().strip("[]()") for cell in cells if cell.strip().strip("-")]
+    return bool(named) and all(any(unit_named(unit, kind) for kind in SPELLINGS) for unit in named)
+
+
+def _first_lines(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:
+    """Take the first line as the header, and the next one as a row; or a comment before numbers."""
     comment, lines = "", _filled(path)
     for first in lines:
-        if first[1].startswith("#"):
-            comment = first[1].lstrip("# ")
+        if first[1].startswith(COMMENTS):
+            comment = first[1].lstrip("#% ")
         elif not _is_numbers(first[1]):
             for second in lines:
                 return first, second
@@ -182,12 +271,15 @@ def _unnamed(path: Path, line: int, row: str) -> InputError:
     return InputError.at(f"{path}: line {line}", f"numbers ({row[:40]})", "a header that names the columns")
 
 
-def _blocks(path: Path, begin: int, separator: str, n_columns: int) -> Iterator[Rows]:
-    """Give the rows from line `begin` on, a block at a time; refuse a row of another length."""
+def _blocks(path: Path, begin: int, separator: str, header: Sequence[str]) -> Iterator[Rows]:
+    """Give the rows from line `begin` on, a block at a time; refuse a row of another length, and the header again."""
+    n_columns = len(header)
     lines = (line for line in _filled(path) if line[0] >= begin)
-    while block := list(islice(lines, _BLOCK)):
+    while block := list(islice(lines, _LINES_PER_BLOCK)):
         rows = [(number, _cells(line, separator)) for number, line in block]
         for k, (number, cells) in enumerate(rows):
+            if cells == header:
+                raise InputError.at(f"{path}: line {number}", "the header again", "one run: a file for each")
             if len(cells) != n_columns:
                 last = k == len(rows) - 1 and next(lines, None) is None
                 ended = block[k][1].rstrip(" ").endswith(separator)
@@ -269,10 +361,10 @@ def _ragged(place: str, found: int, expected: int, ended: bool, last: bool) -> I
 def check_text(path: Path) -> int:
     """Count the lines of a file; refuse one that is missing, empty, too large, no UTF-8 text, or has no line ends."""
     try:
-        if not check_size(path, LARGEST, _EXPECTED):
+        if not check_size(path, MAX_FILE_BYTES, _EXPECTED):
             raise InputError.at(str(path), "an empty file", _EXPECTED)
         with path.open("rb") as file:
-            return _check_blocks(str(path), iter(partial(file.read, LONGEST_LINE), b""))
+            return _check_blocks(str(path), iter(partial(file.read, MAX_LINE_BYTES), b""))
     except OSError as error:
         raise InputError.at(str(path), error.strerror or "an unreadable file", _EXPECTED) from error
 
@@ -292,18 +384,18 @@ def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
             data, line = incomplete + block, lines + (incomplete + block).count(b"\n", 0, error.start)
             found = f"byte 0x{data[error.start]:02x} in line {line}, which is not UTF-8"
             raise InputError.at(name, found, "UTF-8 text, a CSV table") from error
-        if len(block) == LONGEST_LINE and b"\n" not in block and b"\r" not in block:
-            raise InputError.at(f"{name}: line {lines}", f"{LONGEST_LINE} bytes without a line end", _EXPECTED)
+        if len(block) == MAX_LINE_BYTES and b"\n" not in block and b"\r" not in block:
+            raise InputError.at(f"{name}: line {lines}", f"{MAX_LINE_BYTES} bytes without a line end", _EXPECTED)
         incomplete, offset, lines = decoder.getstate()[0], offset + len(block), lines + block.count(b"\n")
     return lines
 
 
-MOST_MESSAGES = 200_000  # most messages, of which each takes some kilobytes of memory
+MAX_MESSAGES = 200_000  # most messages, of which each takes some kilobytes of memory
 
 
 def is_bag(path: Path) -> bool:
     """Whether a path is a file or the folder of a bag."""
-    return path.suffix in (".mcap", ".db3") or (path / "metadata.yaml").is_file()
+    return path.suffix in (".mcap", ".db3", ".bag") or (path / "metadata.yaml").is_file()
 
 
 def read_bag(path: Path, topic: str | None) -> Table:
@@ -312,7 +404,7 @@ def read_bag(path: Path, topic: str | None) -> Table:
         raise InputError.at(str(path), "no such file", "a ROS 2 bag")
     files = sorted(file for file in path.iterdir() if not file.is_dir()) if path.is_dir() else [path]
     for file in files:
-        check_size(file, LARGEST, "a file of a ROS 2 bag")
+        check_size(file, MAX_FILE_BYTES, "a file of a ROS 2 bag")
     require("rosbags", "bags", str(path))
     from apsw import Error as DatabaseError  # noqa: PLC0415  (rosbags reads SQLite and Zstandard by these)
     from backports.zstd import ZstdError  # noqa: PLC0415
@@ -334,15 +426,15 @@ def read_bag(path: Path, topic: str | None) -> Table:
                 expected = f"{topic or 'one, or the one to read'}, as topic in the arm file"
                 raise InputError.at(f"{path}: topics of sensor_msgs/JointState", ", ".join(topics) or "none", expected)
             wanted = [c for c in reader.connections if c.topic == chosen[0]]
-            if (n := sum(c.msgcount for c in wanted)) > MOST_MESSAGES:
-                raise InputError.at(f"{path}: {chosen[0]}", f"{n} messages", f"at most {MOST_MESSAGES}")
+            if (n := sum(c.msgcount for c in wanted)) > MAX_MESSAGES:
+                raise InputError.at(f"{path}: {chosen[0]}", f"{n} messages", f"at most {MAX_MESSAGES}")
             messages = [(at, reader.deserialize(raw, c.msgtype)) for c, at, raw in reader.messages(wanted)]
             return _table(path, chosen[0], messages)
     except InputError:
         raise
     except damage as error:
         found = " ".join(str(error).split())[:200] or type(error).__name__
-        raise InputError.at(str(path), found, "a whole ROS 2 bag") from error
+        raise InputError.at(str(path), found, "a whole bag of ROS") from error
 
 
 def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:

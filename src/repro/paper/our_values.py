@@ -37,13 +37,13 @@ from repro.paper.claims import DIFFERS, EXTENSION, SETTING, Basis, OurValue, hig
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, evaluate
 from repro.signals import programs, trajectories, validation_motions
 
-_MODULES = (architecture, image, priors, frames, dynamics, stability, programs, trajectories, validation_motions)
-#: Modules by their names in the column; what two modules share is looked up where it is defined.
+#: Modules by their names in the column.
 MODULES: dict[str, ModuleType] = {
-    **{module.__name__.removeprefix("repro."): module for module in _MODULES},
-    "cnn.network": architecture,
-    "identification.algorithm1": parameters,
-}
+    module.__name__.removeprefix("repro."): module
+    for module in (
+        architecture, image, priors, frames, dynamics, parameters, stability, programs, trajectories, validation_motions
+    )
+}  # fmt: skip
 
 
 def _first_key(expression: str) -> str:
