@@ -96,10 +96,10 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, old, new, expected):
 def test_nothing_that_makes_results_reads_the_published_numbers():
     code, workflow = CodeDigests(), Path(repro.__file__).parents[2] / "workflow"
     rules = "".join(file.read_text(encoding="utf-8") for file in workflow.glob("rules/*.smk"))
-    computing = set(re.findall(r'"(repro\.pipeline[\w.]*:\w+)"', rules))
+    computing = set(re.findall(r'"((?:repro\.experiments|repro_studies)[\w.]*:\w+)"', rules))
     assert len(computing) > 10
     for function in computing:
         reached = code.of_script(workflow / "scripts/call.py", function)
         assert not [name for name in reached if name.startswith("repro.paper")], function
-    for family in ("numeric_tests", "arm_experiment", "many_arms", "causes", "variants"):
+    for family in ("numeric_tests", "arm_experiment", "many_arms", "causes", "time_factors"):
         assert not [name for name in code.of(f"repro.exhibits.{family}") if name.startswith("repro.paper")], family
