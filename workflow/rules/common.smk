@@ -5,6 +5,12 @@ CALL = "../scripts/call.py"
 AWAITED, TRAINING, LONG = 20, 10, 5
 
 
+def own_folder(name):
+    """A folder of the checkout, by its path from the working folder if it is in it: then a copied run is one, too."""
+    folder = HERE.parent / name
+    return folder.relative_to(Path.cwd()) if folder.is_relative_to(Path.cwd()) else folder
+
+
 def call(function, *definitions):
     """Function that the job of a rule calls, and digests of what it and further definitions reach; a job needs none."""
     script = HERE / "scripts/call.py"

@@ -1,5 +1,4 @@
-# By its path from here, so that a copy of a finished run is one, too.
-EXHIBITS_FOLDER = Path(os.path.relpath(HERE.parent / "src/repro/exhibits"))
+EXHIBITS_FOLDER = own_folder("src/repro/exhibits")
 
 # What tables and figures (src/repro/exhibits) are computed from.
 SOURCES = {

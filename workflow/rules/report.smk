@@ -1,4 +1,4 @@
-TEMPLATES = Path(os.path.relpath(HERE.parent / "src/repro/report"))
+TEMPLATES = own_folder("src/repro/report")
 
 
 rule report:
