@@ -6,6 +6,11 @@ import threading
 from importlib.util import find_spec
 
 
+def shown(text: str) -> str:
+    """Escape what a terminal or page would obey instead of showing it: line ends, escape sequences, directions."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
 class InputError(ValueError):
     """Something the user gave is wrong: the message is one line naming file, field, found and expected.
 
@@ -16,6 +21,9 @@ class InputError(ValueError):
     >>> print(repro.InputError.at("run.csv: line 7, tau2", "'x'", "a finite number"))
     run.csv: line 7, tau2: found 'x', expected a finite number
     """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(shown(message))
 
     @classmethod
     def at(cls, place: str, found: object, expected: str) -> "InputError":

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from repro.commands.options import DEFAULT_CONFIG, add_config
+from repro.errors import shown
 
 
 def check_arguments(parser: argparse.ArgumentParser) -> None:
@@ -59,9 +60,9 @@ def verify(arguments: argparse.Namespace) -> int:
     problems += [*changed_settings(results, read_config(*files), root), *changed_files(results, root)]
     print(compare_hosts(recorded_fingerprint(results)))
     for line in summary(claims) if claims is not None else []:
-        print(line)
+        print(shown(line))
     for problem in problems:
-        print(f"disagrees: {problem}")
+        print(shown(f"disagrees: {problem}"))
     if claims is None or problems:
         print(f"{len(problems)} disagreements between {results} and its sources")
         return 1
@@ -81,5 +82,5 @@ def compare(arguments: argparse.Namespace) -> int:
 
     compared, alone = compare_runs(arguments.first, arguments.second, tolerances())
     for line in report(compared, alone):
-        print(line)
+        print(shown(line))
     return int(any(each.broken for each in compared))

@@ -121,7 +121,7 @@ class Arm:
     ((1.0, 1.0), 9.80665)
     """
 
-    name: Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+\Z")] = _key(
+    name: Annotated[_Text, _only(lambda name: str(name).isprintable(), "text on one line")] = _key(
         "text on one line", "shown in the report and the exports", default="arm"
     )
     columns: Annotated[dict[Signal, _Text], _different] = _key(

@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from repro.board.capture import read_capture, recording_of
-from repro.errors import InputError
+from repro.errors import InputError, shown
 from repro.identification.armfile import Arm, Signal, read_arm
 from repro.identification.log import MIN_LENGTH_S, MIN_RANGE_RAD, MIN_SAMPLES, Log, segments
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor, unused_constants
@@ -75,7 +75,7 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
         place, raw = str(source), _from_capture(source, arm)
     else:
         table = read_bag(source, arm.topic) if is_bag(source) else read_table(source)
-        place, raw = str(source), _from_table(table, source.name, arm)
+        place, raw = str(source), _from_table(table, shown(source.name), arm)
     if arm.topic and not (isinstance(source, Path) and is_bag(source)):
         raw = replace(raw, notes=(*raw.notes, f"topic of {arm.file} is not used: {raw.name} is no bag"))
     with np.errstate(over="ignore"):  # numbers beyond double precision are refused below
@@ -109,7 +109,7 @@ def _from_capture(path: Path, arm: Arm) -> Log:
     if lost := metadata.samples - capture.counts.good:
         notes.append(f"{lost} lost samples are interpolated")
     simulated, limit = metadata.source == "simulated", np.array(metadata.control.full_torque)
-    return Log(name=path.name, t=t, q=q, tau=tau, notes=tuple(notes), simulated=simulated, torque_limit=limit)
+    return Log(name=shown(path.name), t=t, q=q, tau=tau, notes=tuple(notes), simulated=simulated, torque_limit=limit)
 
 
 def _from_table(table: Table, name: str, arm: Arm) -> Log:

@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from repro.documents import check_size
-from repro.errors import InputError, require
+from repro.errors import InputError, require, shown
 from repro.logs.columns import SPELLINGS, unit_named
 from repro.logs.instants import seconds_of
 from repro.model.parameters import Array
@@ -171,7 +171,7 @@ def read_table(path: Path) -> Table:
 
 def _names(file: str, header: Sequence[object]) -> tuple[str, ...]:
     """Give the names of the columns; refuse a name that is there twice."""
-    names = tuple(str(name).strip() for name in header)
+    names = tuple(shown(str(name).strip()) for name in header)
     if twice := [name for k, name in enumerate(names) if name and name in names[:k]]:
         raise InputError.at(f"{file}: header", f"the column {twice[0]!r} twice", "names that differ")
     return names
@@ -412,10 +412,10 @@ def read_bag(path: Path, topic: str | None) -> Table:
     from rosbags.rosbag2 import ReaderError  # noqa: PLC0415
     from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
 
-    # The last row is what parsing of damaged bytes raises in Python and in the library's own code.
+    named = (AnyReaderError, ReaderError, TypesysError, DatabaseError, ZstdError, OSError)
+    # What parsing of damaged bytes raises in Python and in the library's own code.
     damage = (
-        *(AnyReaderError, ReaderError, TypesysError, DatabaseError, ZstdError, struct.error),
-        *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, OSError),
+        *(struct.error, ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError),
         *(RuntimeError, TypeError, ValueError),
     )
     try:
@@ -432,8 +432,9 @@ def read_bag(path: Path, topic: str | None) -> Table:
             return _table(path, chosen[0], messages)
     except InputError:
         raise
-    except damage as error:
-        found = " ".join(str(error).split())[:200] or type(error).__name__
+    except (*named, *damage) as error:
+        said = " ".join(str(error).split())[:200] if isinstance(error, named) else ""
+        found = said or "bytes that are no messages"
         raise InputError.at(str(path), found, "a whole bag of ROS") from error
 
 
@@ -446,13 +447,18 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
     if not any(stamps):
         notes.append("the messages have no stamps; the times at which they were received are taken")
         stamps = [at for at, _ in messages]
-    rows = []
+    rows: list[dict[str, str]] = []
     for stamp, (_, message) in zip(stamps, messages, strict=True):
         row = {"time": repr((stamp - stamps[0]) / 1e9)}
         for kind in ("position", "velocity", "effort"):
-            if len(values := getattr(message, kind)):
+            values = getattr(message, kind)
+            if len(values) not in (0, len(message.name)):
+                found = f"{len(values)} values of {kind} for {len(message.name)} joints"
+                raise InputError.at(f"{path}: {topic}: message {len(rows) + 1}", found, "one for each joint, or none")
+            if len(values):
                 row |= {f"{name}.{kind}": repr(float(x)) for name, x in zip(message.name, values, strict=True)}
         rows.append(row)
-    header = tuple(dict.fromkeys(name for row in rows for name in row))
+    header = tuple(dict.fromkeys(shown(name) for row in rows for name in row))
+    rows = [{shown(name): value for name, value in row.items()} for row in rows]
     cells = [(number, [row.get(name, "") for name in header]) for number, row in enumerate(rows, 1)]
     return Table(str(path), header, lambda: [cells], tuple(notes))
