@@ -25,11 +25,12 @@ from repro.fitting.result import Curves, MethodResult, Result
 from repro.fitting.tables import parameters_table, residuals_table, scores_table
 from repro.fitting.text import summary
 from repro.identification.armfile import Arm, read_arm
+from repro.identification.extra_terms import values_of
+from repro.identification.identified_arm import IdentifiedArm
 from repro.identification.log import Log
 from repro.identification.method import GROUPS, NETWORKS, network_cache
 from repro.identification.scores import integrate
 from repro.logs.load import Source
-from repro.model.dynamics import inverse_dynamics
 from repro.model.parameters import Array
 from repro.progress import Progress
 
@@ -77,6 +78,7 @@ class Identification:
     _curves: Curves
     _arm: Arm
     _inputs: tuple[Path, ...] = ()
+    _load: Array | None = None  # parameters that give the load of friction
 
     def of(self, method: str) -> "Identification":
         """Give the same result from the viewpoint of another method that was run.
@@ -130,7 +132,11 @@ class Identification:
 
     @property
     def residuals(self) -> pd.DataFrame:
-        """Measured torque, rebuilt torque and their difference at each sample of each log and joint, N m."""
+        """Torque that was fitted, rebuilt torque and their difference at each sample of each log and joint, N m.
+
+        The fitted torque is the recorded one, filtered, with calibration errors corrected and less the terms beyond
+        Eq. 1 that were subtracted.
+        """
         return residuals_table(self._shown, self._curves)
 
     @property
@@ -143,23 +149,36 @@ class Identification:
         """The reason not to use the parameters of this method; empty if they can be used."""
         return unusable(self._best)
 
-    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike) -> Array:
-        """Compute the torque (..., 2, N) that a motion needs, N m.
+    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, log: int | None = None) -> Array:
+        """Compute the torque (2, N) that a motion needs, N m: of Eq. 1 and of the terms that were subtracted.
 
         Parameters
         ----------
         q, dq, ddq : array_like of shape (2, N)
             Position (rad), velocity (rad/s) and acceleration (rad/s^2).
+        log : int, optional
+            Place of a fitted log: the motion is as this log records it, and so is the torque, with the calibration
+            errors that were corrected there. By default angles and torques are those of Eq. 1.
 
         Raises
         ------
         ValueError
             If shapes differ or a value is not finite.
+        InputError
+            If there is no such log.
         """
-        return inverse_dynamics(q, dq, ddq, self.beta, self.details.preparation.friction_steepness)
+        details, calibration = self.details, dict[str, float]()
+        if log is not None:
+            n = len(details.fitted_logs)
+            if log not in range(-n, n):
+                raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
+            calibration = values_of(details.calibration_errors[log]) if details.calibration_errors else {}
+        terms = [term for term in details.terms if term.taken]
+        steepness = details.preparation.friction_steepness
+        return IdentifiedArm(self.beta, steepness, terms, self._load, calibration).torque(q, dq, ddq)
 
     def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
-        """Integrate Eq. 1 under a torque that is linear between samples.
+        """Integrate Eq. 1, without terms beyond it, under a torque that is linear between samples.
 
         Parameters
         ----------
@@ -362,7 +381,7 @@ def identify(
     result, curves = _solve(problem, described, options, self_test)
     inputs = [Path(source) for source in (*fitted, *validation, arm, prior) if isinstance(source, (str, Path))]
     captures = [file for path in inputs if path.suffix == ".bin" for file in files_of(path)]
-    return Identification(result, result.recommended, curves, described, (*inputs, *captures))
+    return Identification(result, result.recommended, curves, described, (*inputs, *captures), problem.first.load)
 
 
 def _solve(problem: IdentificationProblem, arm: Arm, options: Options, self_test: bool) -> tuple[Result, Curves]:

@@ -100,11 +100,12 @@ def integrate(
         raise ValueError("t: instants must increase.")
     if not (np.isfinite(t).all() and np.isfinite([x, v]).all()):
         raise ValueError("t, q0, dq0: every value must be finite.")
-    needed = _steps_per_sample(beta, float(np.diff(t).max(initial=0.0)), friction_steepness)
-    if not np.isfinite(needed):
+    needed = [_steps_per_sample(beta, float(span), friction_steepness) for span in np.diff(t)]
+    if not np.isfinite(needed).all():
         raise ValueError("beta: the inertia matrix is not positive definite in every pose.")
-    states, steps = [(x, v)], int(needed)
+    states = [(x, v)]
     for k, span in enumerate(np.diff(t)):
+        steps = int(needed[k])
         for step in range(steps):
             middle = tau[:, k] + (step + 0.5) / steps * (tau[:, k + 1] - tau[:, k])
             x, v = _runge_kutta(x, v, middle, beta, span / steps, friction_steepness)
