@@ -26,8 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method",
         action="append",
         choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
-        help="may be given more than once (default: all, or least-squares for several logs, a prior or a horizontal "
-        "plane; least-squares takes seconds, the CNN from half a minute to a few minutes)",
+        help="may be given more than once (default: least-squares, which takes seconds; Algorithm 1, which trains a CNN "
+        "for the motion of one log, takes from half a minute to a few minutes)",
     )
     add("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
     add("--overwrite", action="store_true", help="replace files of the same names in that folder")
@@ -60,11 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Identify your own arm: from a log to parameters with intervals, and a report."""
     from repro.files import check_folder
     from repro.fitting.api import choose_methods, identify
-    from repro.identification.armfile import read_arm
 
     check_folder(arguments.out, arguments.overwrite)
-    every = len(arguments.logs) == 1 and arguments.prior is None and read_arm(arguments.arm).plane == "vertical"
-    method = arguments.method or ("all" if every else "least-squares")
+    method = arguments.method or "least-squares"
     if not any(map(_is_port, arguments.logs)):
         for option, given in (("--trajectory", arguments.trajectory), ("--config", arguments.config)):
             if given not in (None, default_config()):
