@@ -11,7 +11,8 @@ from experiment_example import refused
 from repro.identification.armfile import Arm, read_arm
 
 EVERY_KEY = """
-{name: pendulum, sampling_rate: 250.0, columns: {q1: a, tau2: b}, topic: /joint_states, counts_per_turn: [8400, 4096.5],
+{name: pendulum, sampling_rate: 250.0, passive_joint: 2,
+columns: {q1: a, tau2: b}, topic: /joint_states, counts_per_turn: [8400, 4096.5],
 units: {time: ms, position: counts, velocity: rpm, torque: A}, torque_constant: [0.6, -0.5], torque_offset: [0.1, -0.2],
 torque_scale: [1, 2], sign: [1, -1], torque_sign: [-1, 1], zero: [0, -1.5708], second_joint_absolute: true,
 torque_limit: [6, 5.5], position_limit: [[-1, 2], [0.5, 1]], speed_limit: [3, 4.5], workspace: [[-0.5, 0.5], [-1, 0]],

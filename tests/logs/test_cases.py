@@ -65,9 +65,20 @@ def test_an_unusual_drive_or_encoder_gives_the_arm(file, arm):
     np.testing.assert_allclose(found.beta[[0, 1, 2, 3, 4]], TRUE[:5], rtol=0.12)
 
 
+@pytest.mark.parametrize(("file", "arm"), [("zero_torque", {}), ("no_column", {"passive_joint": 2})])
+def test_a_joint_without_a_drive_is_fitted(file, arm):
+    path = CASES / f"passive-joint/{file}.csv"
+    found = repro.identify(path, arm=Arm(**arm), method="consistent")
+    np.testing.assert_allclose(found.beta[:5], TRUE[:5], rtol=0.06)
+    rows = found.parameters.iloc[:5]
+    assert ((rows["low"] <= TRUE[:5]) & (TRUE[:5] <= rows["high"])).all()
+    assert any("without a drive" in note for note in read_log(path, Arm(**arm)).notes)
+
+
 #: File, and what the one line says is expected.
 REFUSED = {
     "time/bursts.csv": "sampling_rate: 100",
+    "passive-joint/no_column.csv": "passive_joint: 2",
     "time/no_time.csv": 'if it has none; for arm.yaml, to correct: columns: {time: "HEADER", q1: "q1", q2: "q2"',
     "table/header_again.csv": "a file for each",
     "hints/rtde.csv": '{time: "timestamp", q1: "actual_q_0", q2: "actual_q_1", tau1: "actual_current_0"',

@@ -137,6 +137,9 @@ class Arm:
         "from the header, else SI",
         default_factory=Units,
     )
+    passive_joint: Literal[1, 2] | None = _key(
+        "1 or 2", "of a joint without a drive: its torque is zero and needs no column", "none"
+    )
     sampling_rate: _Positive | None = _key(
         "a positive number, Hz",
         "of evenly spaced samples: for a log without times, or whose times are those of a PC that read in bursts",

@@ -126,7 +126,7 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
         chosen[signal] = _choose(signal, columns, file, notes)
     if arm.sampling_rate is not None and (time := chosen.pop("time", None)):
         notes.append(f"{time.header} is not used: sampling_rate of {arm.file} is {arm.sampling_rate:g} Hz")
-    optional = ("dq1", "dq2", *(("time",) if arm.sampling_rate is not None else ()))
+    optional = ("dq1", "dq2", f"tau{arm.passive_joint}", *(("time",) if arm.sampling_rate is not None else ()))
     if missing := [signal for signal in KINDS if signal not in chosen and signal not in optional]:
         raise _missing(missing, header, chosen, file)
     for signal, other in (("dq1", "dq2"), ("dq2", "dq1")):
@@ -223,6 +223,8 @@ def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signa
     columns = {signal: likely.get(signal, "HEADER") for signal in KINDS if signal in {*found, *missing}}
     paste = ", ".join(f"{signal}: {json.dumps(name, ensure_ascii=False)}" for signal, name in columns.items())
     without = ", or sampling_rate: HZ if it has none" if "time" in missing else ""
+    if missing in (["tau1"], ["tau2"]):
+        without = f", or passive_joint: {missing[0][-1]} if it has no drive"
     expected = f"a column for {', '.join(missing)}{hint}{without}; for arm.yaml, to correct: columns: {{{paste}}}"
     return InputError.at(f"{file}: header", f"the columns {_listed(header)}", expected)
 

@@ -251,9 +251,9 @@ def _fit(smoothed: Smoothed, convention: Convention, absolute: bool = False) -> 
     # The speed at which friction sets in is unknown: a factor on the positions must not choose another one.
     y[..., 7:] = np.tanh(LAMBDA * sense @ smoothed.dq[:, k])[..., np.newaxis] * np.eye(2)[:, np.newaxis]
     (beta, left), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
-    error = left / size
+    error = left / np.where(size > 0.0, size, size.sum())  # of a joint without a drive over the torque of the other
     terms = y * beta  # (2, n, 9): torque of each parameter
-    share = np.sqrt(np.sum(terms**2, axis=1) / size[:, np.newaxis]).max(axis=0)
+    share = np.sqrt(np.sum(terms**2, axis=1) / np.where(size > 0.0, size, size.sum())[:, np.newaxis]).max(axis=0)
     negative = (beta[:5] < 0.0) & (share[:5] > _MIN_NOTICEABLE_SHARE)
     friction = terms[..., 5:].sum(-1)
     noticeable = np.linalg.norm(friction, axis=1) > _MIN_NOTICEABLE_SHARE * np.linalg.norm(tau, axis=1)

@@ -82,6 +82,9 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
         log = to_eq1(raw, arm)
     log = log if arm.torque_limit is None else replace(log, torque_limit=np.array(arm.torque_limit))
     _check_signals(log, place)
+    passive = [joint for joint, tau in enumerate(log.tau, 1) if not tau.any()]
+    said = (f"the torque of joint {joint} is zero throughout: read as a joint without a drive" for joint in passive)
+    log = replace(log, notes=(*log.notes, *said))
     segments(log)  # refuses a log that is all gaps
     return log
 
@@ -153,6 +156,9 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
     _check_time(time, recorded["time"], unit, table.file, lines[rows])
     if time[0] != 0.0:
         notes = (*notes, f"time is counted from the first sample, at {time[0]:.10g} s in the file")
+    if arm.passive_joint is not None:
+        torque: Signal = "tau1" if arm.passive_joint == 1 else "tau2"
+        si[torque] = np.zeros_like(time)
     q, tau = np.stack([si["q1"], si["q2"]]), np.stack([si["tau1"], si["tau2"]])
     dq = np.stack([si["dq1"], si["dq2"]]) if "dq1" in si and "dq2" in si else None
     simulated = SIMULATED in table.header and bool(np.any(table.numbers([table.header.index(SIMULATED)])[0] != 0.0))
@@ -242,6 +248,8 @@ def _check_signals(log: Log, file: str) -> None:
         raise InputError.at(f"{file}: position", found, f"joints that move by {MIN_RANGE_RAD:g} rad and more")
     for joint, tau in enumerate(log.tau, 1):
         place, most = f"{file}: torque of joint {joint}", np.abs(tau).max()
+        if not tau.any() and moved[joint - 1] >= MIN_RANGE_RAD and np.ptp(log.tau) > 0.0:
+            continue  # a joint without a drive
         if np.ptp(tau) == 0.0:
             found = "zero throughout" if tau[0] == 0.0 else f"{tau[0]:.6g} N m throughout"
             raise InputError.at(place, found, "a torque that changes")
