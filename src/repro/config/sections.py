@@ -35,10 +35,11 @@ def changed(section: S, overlay: Mapping[str, Any]) -> S:
     if isinstance(section, Mapping):  # a network's changes
         return cast(S, merged(section, overlay))
     names = {field.alias or name: name for name, field in getattr(type(section), "model_fields", {}).items()}
-    values = {
-        (name := names.get(key, key)): changed(getattr(section, name), value) if isinstance(value, Mapping) else value
-        for key, value in overlay.items()
-    }
+    values = {}
+    for key, value in overlay.items():
+        now = getattr(section, names.get(key, key))
+        nested = changed(now, value) if isinstance(value, Mapping) else value
+        values[names.get(key, key)] = tuple(nested) if isinstance(now, tuple) else nested  # as lists of YAML are read
     made = (
         section.model_copy(update=values) if isinstance(section, BaseModel) else replace(cast(Any, section), **values)
     )
