@@ -1,4 +1,4 @@
-"""ROS 2 bags: joint states read as the same numbers in a CSV file do."""
+"""Bags of ROS: joint states read as the same numbers in a CSV file do."""
 
 import sqlite3
 from dataclasses import replace
@@ -8,6 +8,7 @@ import pytest
 from experiment_example import refused
 from hypothesis import given, settings
 from log_example import RATE, assert_same, columns, recording, text
+from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from strategies import seeds
@@ -128,3 +129,20 @@ def test_a_damaged_bag_is_read_or_refused_in_one_line(arm, seed):
 def arm(request, tmp_path_factory):
     folder = write(tmp_path_factory.mktemp("bags") / "arm", {"/joint_states": states()}, request.param)
     return next(path for path in folder.iterdir() if path.suffix != ".yaml")
+
+
+def test_a_bag_of_ros_1_is_read_as_the_table_is(tmp_path):
+    store = get_typestore(Stores.ROS1_NOETIC)
+    state, header, time = (store.types[name] for name in TYPES)
+    with Ros1Writer(tmp_path / "arm.bag") as writer:
+        to = writer.add_connection("/joint_states", TYPES[0], typestore=store)
+        for k, t in enumerate(GOOD.t):
+            stamp = time(*divmod(START + round(1e9 * t), 10**9))
+            message = state(header(k, stamp, ""), ["joint1", "joint2"], GOOD.q[:, k], np.zeros(0), GOOD.tau[:, k])
+            writer.write(to, START + round(1e9 * t), store.serialize_ros1(message, TYPES[0]))
+    table = {name: values for name, values in columns(GOOD).items() if not name.startswith("d")}
+    (tmp_path / "log.csv").write_text(text(table, 17))
+    log, plain = read_log(tmp_path / "arm.bag", Arm()), read_log(tmp_path / "log.csv", Arm())
+    np.testing.assert_allclose(log.t, plain.t, atol=1e-8)
+    np.testing.assert_array_equal(log.q, plain.q)
+    np.testing.assert_array_equal(log.tau, plain.tau)
