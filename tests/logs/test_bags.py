@@ -138,7 +138,8 @@ def test_a_bag_of_ros_1_is_read_as_the_table_is(tmp_path):
         to = writer.add_connection("/joint_states", TYPES[0], typestore=store)
         for k, t in enumerate(GOOD.t):
             stamp = time(*divmod(START + round(1e9 * t), 10**9))
-            message = state(header(k, stamp, ""), ["joint1", "joint2"], GOOD.q[:, k], np.zeros(0), GOOD.tau[:, k])
+            q, tau = GOOD.q[:, k].copy(), GOOD.tau[:, k].copy()
+            message = state(header(k, stamp, ""), ["joint1", "joint2"], q, np.zeros(0), tau)
             writer.write(to, START + round(1e9 * t), store.serialize_ros1(message, TYPES[0]))
     table = {name: values for name, values in columns(GOOD).items() if not name.startswith("d")}
     (tmp_path / "log.csv").write_text(text(table, 17))
