@@ -64,14 +64,14 @@ def test_a_prior_is_refused_next_to_algorithm_1(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_networks_are_the_default_only_for_one_log_of_an_upright_arm_without_a_prior(tmp_path, monkeypatch):
+def test_least_squares_is_the_default_and_networks_are_asked_for(tmp_path, monkeypatch):
     asked, result = [], SimpleNamespace(save=lambda *_: [])
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("repro.fitting.api.identify", lambda _, method, **__: asked.append(method) or result)
     Path("level.yaml").write_text("plane: horizontal\n", encoding="utf-8")
-    for more in ([], ["other.csv"], ["--prior", "prior.json"], ["--arm", "level.yaml"]):
+    for more in ([], ["other.csv"], ["--prior", "prior.json"], ["--arm", "level.yaml"], ["--method", "algorithm1"]):
         assert main(["identify", "log.csv", *more, "-o", "out"]) == 0
-    assert asked == ["all", *3 * ["least-squares"]]
+    assert asked == [*4 * ["least-squares"], ["algorithm1"]]
 
 
 @pytest.mark.slow
