@@ -10,7 +10,7 @@ from experiment_example import ROOT
 
 from repro.comparison import LEDGER
 from repro.exhibits.catalogue import tolerances
-from repro.paper.claims import broken, causes, specificity
+from repro.paper.claims import broken, by_basis, causes, specificity
 from repro.paper.published import load_published
 
 REFERENCE = ROOT / "docs/reference"
@@ -102,7 +102,14 @@ CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 def test_asserted_claims_hold_and_the_readme_counts_them():
     assert broken(CLAIMS.reset_index()).empty
-    assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in (ROOT / "README.md").read_text(encoding="utf-8")
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in readme
+    counted = by_basis(CLAIMS.reset_index())[["numeric", "simulated arm"]].sum(axis=1)
+    numbers = r"Of the (\d+) printed numbers .*? (\d+) are reproduced or better, (\d+) differ, and (\d+) are"
+    shown = re.search(numbers, readme)
+    expected = [counted.sum(), counted["reproduced"] + counted["better"], counted["differs"], counted["inconclusive"]]
+    assert shown is not None
+    assert [int(number) for number in shown.groups()] == expected
 
 
 def test_verdicts_are_specific():
