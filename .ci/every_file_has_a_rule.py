@@ -11,7 +11,7 @@ from pathlib import Path
 
 #: Written by a run that succeeded, not by a rule: who made it, when, from what, at what cost, and by which workflow.
 RECORD = "ro-crate-metadata.json"
-SIDECARS = {"logs/provenance.json", "logs/costs.csv", RECORD}
+SIDECARS = {"logs/provenance.json", "logs/costs.csv", RECORD, "ro-crate-metadata.sha256"}
 
 
 def outputs(run: str, targets: list[str]) -> set[str]:
