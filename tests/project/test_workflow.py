@@ -361,3 +361,14 @@ def test_emulated_hosts_run_tests_that_exist_with_their_variables():
     printed = hosts["run"](host, "-c", "import os; print(os.environ['OPENBLAS_CORETYPE'], os.environ['KEPT'])").stdout
     assert printed.split() == ["Zen", "1"]
     assert "FAILED: no message" in hosts["visit"](hosts["Host"]("broken", program=("false",)))[0]
+
+
+def test_each_rule_that_the_page_of_results_names_is_there():
+    rules = {
+        rule for path in ROOT.glob("workflow/**/*.smk") for rule in re.findall(r"^rule (\w+):", path.read_text(), re.M)
+    }
+    drawn = {name for exhibit in catalogue.EXHIBITS for name in (exhibit.name, exhibit.target)}
+    page = (ROOT / "results/README.md").read_text(encoding="utf-8")
+    named = {name for row in re.findall(r"^\|.*\|(.*)\|$", page, re.M) for name in re.findall(r"`(\w+)`", row)}
+    assert len(named) > 15
+    assert named - {"tableNN", "figNN"} <= rules | drawn
