@@ -60,7 +60,14 @@ def test_tables_of_the_pages_are_those_of_the_reference():
 
 def test_the_check_that_every_file_has_a_rule_fails_where_one_has_none(tmp_path):
     (tmp_path / "logs").mkdir()
-    for name in ("stray.csv", "logs/costs.csv", "logs/provenance.json", "logs/audit.log", "made.csv", "ro-crate-metadata.sha256"):
+    for name in (
+        "stray.csv",
+        "logs/costs.csv",
+        "logs/provenance.json",
+        "logs/audit.log",
+        "made.csv",
+        "ro-crate-metadata.sha256",
+    ):
         (tmp_path / name).touch()
     (tmp_path / "ro-crate-metadata.json").write_text('{"@graph": []}', encoding="utf-8")
     check = runpy.run_path(str(ROOT / ".ci/every_file_has_a_rule.py"))
