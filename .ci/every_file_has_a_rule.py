@@ -9,9 +9,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from repro.experiments.record import RECORD, SEAL
+
 #: Written by a run that succeeded, not by a rule: who made it, when, from what, at what cost, and by which workflow.
-RECORD = "ro-crate-metadata.json"
-SIDECARS = {"logs/provenance.json", "logs/costs.csv", RECORD, "ro-crate-metadata.sha256"}
+SIDECARS = {"logs/provenance.json", "logs/costs.csv", RECORD, SEAL}
 
 
 def outputs(run: str, targets: list[str]) -> set[str]:

@@ -1,4 +1,4 @@
-"""Calibration errors put into logs of an arm: how many are named, by a log alone and beside the others.
+"""Calibration errors put into logs of an arm: how many are named, by a log alone and next to the others.
 
 Usage: ``.venv/bin/python benchmarks/setup_faults.py LOG LOG ...``, logs of one arm as their owners made them. Each is
 spoilt in sixteen ways; the others stay as they are.

@@ -48,7 +48,7 @@ SECTION: "ConfigDict" = {
     "hide_input_in_errors": True,
 }
 
-# Upper limits are far beyond any use: a misplaced digit must not ask for terabytes or years.
+# Upper limits are far beyond any use: a misplaced digit must not request terabytes or years.
 Flag = Annotated[bool, Exact()]
 Real = Annotated[float, Exact()]
 Integer = Annotated[int, Exact()]

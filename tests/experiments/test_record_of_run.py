@@ -147,7 +147,7 @@ def test_the_commit_is_that_of_the_checkout_and_says_if_files_changed(tmp_path):
     assert commit(tmp_path) == git("rev-parse", "HEAD") + "-dirty"
 
 
-#: A file of a run, what happens to it, and what is said of it.
+#: A file of a run, what happens to it, and what the message names.
 TAMPERINGS = {
     "a capture": ("results/experiment/ID.bin", "x", "SHA-256: found"),
     "a file whose name is long": (LONG, "x", "SHA-256: found"),
