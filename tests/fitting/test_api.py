@@ -60,7 +60,7 @@ def test_the_public_names_and_signatures_are_frozen():
     for name, parameters in SIGNATURES.items():
         assert ", ".join(inspect.signature(getattr(repro, name)).parameters) == parameters, name
     assert all(hasattr(repro.Identification, name) for name in METHODS.split(", "))
-    assert inspect.signature(repro.identify).parameters["method"].default == "consistent"
+    assert inspect.signature(repro.identify).parameters["method"].default == "weighted-consistent"
     with pytest.raises(AttributeError):
         repro.nothing  # noqa: B018
 
@@ -263,7 +263,7 @@ def test_simulation_agrees_with_an_independent_integrator(result):
     own, t, steepness = result.of("bounded"), np.linspace(0.0, 0.4, 33), 4.0
     tau = np.stack([0.6 * np.sin(7.0 * t), 0.2 * np.cos(5.0 * t)])
     preparation = replace(own.details.preparation, friction_steepness=steepness)
-    own = replace(own, details=replace(own.details, preparation=preparation))
+    own = replace(own, details=replace(own.details, preparation=preparation, friction=()))
 
     def derivative(at, state):
         torque = np.array([np.interp(at, t, joint) for joint in tau])

@@ -8,10 +8,11 @@ from fitting_example import method, score
 from fitting_problem import problem_of
 from regression_example import exciting
 
+from repro.fitting.link_length import LinkLength
 from repro.fitting.prior import read_prior
 from repro.fitting.recommend import compare_networks, recommend, undriven, unusable, warnings, wrong_length
 from repro.fitting.result import Excitation
-from repro.identification.armfile import Arm
+from repro.identification.regression import Relation
 from repro.model.parameters import NAMES
 
 AMONG = "among the physically consistent methods"
@@ -179,21 +180,29 @@ def test_a_network_is_compared_with_least_squares_only_on_logs_that_both_predict
         assert compare_networks(methods, ("algorithm1",)) == methods
 
 
-@pytest.mark.parametrize(
-    ("i2", "arm", "words"),
-    [
-        (0.1, {"link_lengths": (0.41, 0.2)}, ()),  # I2 g / (2 g2) is 0.5 m
-        (0.4, {"link_lengths": (0.5, 0.2)}, ("2 m", "0.5 m", "2 times")),
-        (0.025, {"link_lengths": (0.5, 0.2)}, ("0.125 m", "0.5 m", "0.5 times")),
-        (0.4, {"link_lengths": (0.5, 0.2), "plane": "horizontal"}, ()),
-        (0.4, {}, ()),
-        (-0.4, {"link_lengths": (0.5, 0.2)}, ()),
-    ],
-)
-def test_times_of_another_unit_contradict_the_length_of_link_1(i2, arm, words):
-    parameters = list(GOOD.parameters)
-    for k, value in ((1, i2), (4, 1.0)):
-        parameters[k] = replace(parameters[k], estimate=value, low=value - 0.01, high=value + 0.01)
-    lines = list(wrong_length(replace(GOOD, parameters=tuple(parameters)), Arm(gravity=10.0, **arm)))
-    assert len(lines) == bool(words)
-    assert all(word in lines[0] for word in words)
+@pytest.mark.parametrize(("implied", "factor"), [(2.0, "2 times"), (0.125, "0.5 times"), (-0.3, "")])
+def test_a_length_that_the_logs_contradict_is_named(implied, factor):
+    (line,) = wrong_length(LinkLength(0.5, implied, None))
+    assert "0.5 m" in line and f"{implied:g} m" in line and factor in line
+    assert ("times the true ones" in line) == bool(factor)
+
+
+def test_a_length_that_is_in_the_fit_needs_no_warning():
+    assert not [*wrong_length(None), *wrong_length(LinkLength(0.5, 0.7, Relation(np.ones(9), 0.1)))]
+
+
+def positioned(name, torque, position):
+    return method(name, name, 1.0, validation=(replace(score("x", torque, torque), position_rms=(position, position)),))
+
+
+def test_torque_and_position_count_by_their_product():
+    methods = positioned("a", 0.10, 0.30), positioned("b", 0.12, 0.20), positioned("c", 0.30, 0.19)
+    name, reason = recommend(methods)
+    assert name == "b"
+    assert "a has the smaller torque error, 10 instead of 12 %" in reason
+    assert "c has the smaller position error, 0.19 instead of 0.2 rad" in reason
+    name, reason = recommend(methods[:1] + methods[2:])
+    assert name == "a" and "c has the smaller position error" in reason and "smaller torque error" not in reason
+    unstable = replace(methods[1], validation=(replace(methods[1].validation[0], position_rms=None),))
+    assert recommend((unstable, methods[2]))[0] == "c"
+    assert recommend((unstable,))[0] == "b"

@@ -5,8 +5,12 @@ import time
 import numpy as np
 import pytest
 from experiment_example import refused
+from hypothesis import given
+from strategies import seeds
 
 import repro
+from repro.identification.extra_terms import ExtraTerm
+from repro.identification.identified_arm import IdentifiedArm
 from repro.identification.log import Log
 from repro.model.dynamics import inverse_dynamics, regressor
 
@@ -62,6 +66,25 @@ def test_a_torque_offset_and_a_scale_are_the_logs():
     assert {error.name for error in result.details.calibration_errors[0]} == {"offset1", "scale2"}
     assert (off(result.predict(q, dq, ddq, log=0), tau) < 0.02).all()
     assert (off(result.predict(q, dq, ddq), true) < 0.02).all()
+
+
+TERMS = [
+    ExtraTerm("load1", 0.21, 0.01, 0.4, True),
+    ExtraTerm("load2", 0.34, 0.01, 0.3, True),
+    ExtraTerm("stribeck1", 0.08, 0.01, 0.3, True),
+    ExtraTerm("rotor2", 0.012, 0.001, 0.2, True),
+]
+
+
+@given(seeds)
+def test_the_acceleration_under_a_torque_needs_that_torque(seed):
+    rng = np.random.default_rng(seed)
+    arm = IdentifiedArm(BETA, 20.0, TERMS, load=1.03 * BETA)
+    state, tau = rng.normal(size=(2, 2)) * np.array([[1.5], [2.0]]), 3.0 * rng.normal(size=2)
+    t = np.array([0.0, 1e-6])
+    _, dq = arm.simulate(t, np.stack([tau, tau], axis=1), *state)
+    ddq = np.diff(dq, axis=1)[:, 0] / 1e-6
+    assert arm.torque(*(x[:, np.newaxis] for x in (*state, ddq)))[:, 0] == pytest.approx(tau, abs=5e-3)
 
 
 def test_one_late_instant_does_not_slow_the_simulation():

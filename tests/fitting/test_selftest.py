@@ -78,7 +78,7 @@ def test_where_eq_1_is_right_the_noise_that_was_put_in_is_the_error(clean):
 
 
 def test_stribeck_friction_is_distinguished_from_noise():
-    test = ordinary_self_test(problem_of_logs(recorded(stribeck=0.6)))
+    test = ordinary_self_test(problem_of_logs(recorded(stribeck=0.6), friction=False))
     assert test.model_wrong
     assert max(test.real) > 2 * max(test.error)
 

@@ -16,7 +16,8 @@ columns: {q1: a, tau2: b}, topic: /joint_states, counts_per_turn: [8400, 4096.5]
 units: {time: ms, position: counts, velocity: rpm, torque: A}, torque_constant: [0.6, -0.5], torque_offset: [0.1, -0.2],
 torque_scale: [1, 2], sign: [1, -1], torque_sign: [-1, 1], zero: [0, -1.5708], second_joint_absolute: true,
 torque_limit: [6, 5.5], position_limit: [[-1, 2], [0.5, 1]], speed_limit: [3, 4.5], workspace: [[-0.5, 0.5], [-1, 0]],
-plane: horizontal, gravity: 9.81, link_lengths: [0.3, 0.2], friction_steepness: auto, delay: 0.01}"""
+plane: horizontal, gravity: 9.81, link_lengths: [0.3, 0.2],
+link_length_sd: 0.002, friction_steepness: auto, delay: 0.01}"""
 
 
 def test_every_key_of_an_arm_file_is_read(tmp_path):

@@ -9,7 +9,7 @@ from experiment_example import refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_example import BETA
-from regression_example import broadband, log_from, random_regressor, sinusoids, with_noise
+from regression_example import broadband, log_from, random_regressor, regression_of, sinusoids, with_noise
 from scipy.signal import butter, sosfiltfilt
 from strategies import seeds
 
@@ -217,7 +217,7 @@ def test_reduced_rows_hold_the_whole_cost_and_have_the_shortest_solution(seed, k
     if kind == "collinear":
         y[..., 6] = 2.0 * y[..., 8]
     tau = y @ BETA + 0.1 * rng.normal(size=(2, 50))
-    r, c, scale = reduced_problem(y, tau)
+    r, c, scale = reduced_problem(regression_of(y, tau))
     assert len(r) == len(c) <= 18
     assert np.linalg.matrix_rank(r, tol=1e-9) == 9
     found = np.linalg.lstsq(r, c, rcond=1e-12)[0] / scale

@@ -146,7 +146,7 @@ def minimum(r, c, scale, margin, low, high):
 def test_of_the_possible_signs_those_with_the_smallest_error_are_taken(seed):
     """The sign of I2 is that of L's second row where its first is positive."""
     regression = hostile(seed)
-    r, c, scale = reduced_problem(regression.y, regression.tau)
+    r, c, scale = reduced_problem(regression)
     beta = beta_of("consistent", regression)
     margin = min(1e-4, 0.999 * np.linalg.eigvalsh(pseudo_inertia(beta)).min())
     low, high = np.array([0.0] + [-np.inf] * 4 + [0.0] * 4), np.full(9, np.inf)
@@ -159,10 +159,24 @@ def test_of_the_possible_signs_those_with_the_smallest_error_are_taken(seed):
     assert np.linalg.norm(r @ (scale * beta) - c) ** 2 == pytest.approx(2.0 * best, rel=1e-3, abs=1e-5 * (c @ c))
 
 
+@pytest.mark.parametrize("seed", [1, 4, 11])
+def test_weighted_consistent_is_consistent_least_squares_of_weighted_rows(seed):
+    regression = hostile(seed)
+    y, tau = regression.y, regression.tau
+    size = np.ones((2, 1))
+    for _ in range(30):
+        rows, right = (y / size[..., None]).reshape(-1, 9), (tau / size).reshape(-1)
+        size = np.sqrt(np.mean((tau - y @ np.linalg.lstsq(rows, right, rcond=None)[0]) ** 2, axis=1, keepdims=True))
+    expected = beta_of("consistent", regression_of(y / size[..., None], tau / size))
+    found = beta_of("weighted-consistent", regression)
+    assert is_consistent(found) and not is_consistent(beta_of("weighted", regression))
+    np.testing.assert_allclose(found, expected, rtol=0.02, atol=2e-3 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("seed", [0, 3, 10, 15, 37, 39])
 def test_consistent_is_the_minimum_over_factors_of_the_inertia(seed):
     regression = hostile(seed)
-    r, c, scale = reduced_problem(regression.y, regression.tau)
+    r, c, scale = reduced_problem(regression)
     margin = 1e-4
 
     least = minimum(r, c, scale, margin, np.array([-np.inf] * 5 + [0.0] * 4), np.full(9, np.inf))
@@ -182,13 +196,14 @@ def sines(seed, pace, viscous, noise):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_penalty_adds_the_energy_of_the_viscous_torque(seed):
-    """Where no condition holds, b minimises |Y beta - tau|^2 + rho (|y_b1 b1|^2 + |y_b2 b2|^2)."""
+    """Where no condition holds, b minimises |Y beta - tau|^2 + rho (|y_b1 b1|^2 + |y_b2 b2|^2) of weighted rows."""
     regression, flat = sines(seed, 2.5, 0.2, 0.02), np.zeros((2, 9))
-    rows = regression.y.reshape(-1, 9)
+    error = regression.tau - regression.y @ beta_of("weighted", regression)
+    weight = 1.0 / np.sqrt(np.mean(error**2, axis=1, keepdims=True))
+    rows, torque = (regression.y * weight[..., None]).reshape(-1, 9), (regression.tau * weight).reshape(-1)
     for penalty in (0.03, 0.3, 3.0):
         flat[0, 5], flat[1, 6] = np.sqrt(penalty) * np.linalg.norm(rows[:, 5:7], axis=0)
-        right = np.concatenate([regression.tau.reshape(-1), np.zeros(2)])
-        expected, *_ = np.linalg.lstsq(np.vstack([rows, flat]), right)
+        expected, *_ = np.linalg.lstsq(np.vstack([rows, flat]), np.concatenate([torque, np.zeros(2)]))
         assert is_positive_definite(expected)
         found = METHODS["parsimonious"].repeat(regression, Estimate(BETA, (), penalty))
         np.testing.assert_allclose(found, expected, rtol=1e-6)

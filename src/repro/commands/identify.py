@@ -39,7 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="estimate known parameters from synthetic logs with this motion, noise and delay",
     )
-    add("--friction", action="store_true", help="subtract friction that Eq. 1 does not model where the log shows it")
+    add(
+        "--friction",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="subtract friction that Eq. 1 does not model where the log shows it (default: yes)",
+    )
     add(
         "--prior",
         type=Path,

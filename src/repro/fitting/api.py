@@ -29,7 +29,6 @@ from repro.identification.extra_terms import values_of
 from repro.identification.identified_arm import IdentifiedArm
 from repro.identification.log import Log
 from repro.identification.method import GROUPS, NETWORKS, network_cache
-from repro.identification.scores import integrate
 from repro.logs.load import Source
 from repro.model.parameters import Array
 from repro.progress import Progress
@@ -56,7 +55,7 @@ class Identification:
     Examples
     --------
     >>> import repro
-    >>> result = repro.identify("data/captures/T3.bin", method=["ordinary", "bounded"])
+    >>> result = repro.identify("data/captures/T3.bin", method=["ordinary", "bounded"], friction=False)
     >>> result.method
     'bounded'
     >>> bounded = result.of("bounded")
@@ -167,18 +166,22 @@ class Identification:
         InputError
             If there is no such log.
         """
-        details, calibration = self.details, dict[str, float]()
+        calibration = dict[str, float]()
         if log is not None:
-            n = len(details.fitted_logs)
+            n = len(self.details.fitted_logs)
             if log not in range(-n, n):
                 raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
-            calibration = values_of(details.calibration_errors[log]) if details.calibration_errors else {}
-        terms = [term for term in details.terms if term.taken]
-        steepness = details.preparation.friction_steepness
-        return IdentifiedArm(self.beta, steepness, terms, self._load, calibration).torque(q, dq, ddq)
+            errors = self.details.calibration_errors
+            calibration = values_of(errors[log]) if errors else {}
+        return replace(self._identified, calibration=calibration).torque(q, dq, ddq)
+
+    @property
+    def _identified(self) -> IdentifiedArm:
+        terms = [term for term in self.details.terms if term.taken]
+        return IdentifiedArm(self.beta, self.details.preparation.friction_steepness, terms, self._load)
 
     def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
-        """Integrate Eq. 1, without terms beyond it, under a torque that is linear between samples.
+        """Integrate Eq. 1, with the terms that were subtracted, under a torque that is linear between samples.
 
         Parameters
         ----------
@@ -199,7 +202,7 @@ class Identification:
         ValueError
             If the inertia matrix is not positive definite in every pose, a shape is wrong, or a value is not finite.
         """
-        return integrate(t, tau, q0, dq0, self.beta, self.details.preparation.friction_steepness)
+        return self._identified.simulate(t, tau, q0, dq0)
 
     def plot(self, log: int = 0) -> "Figure":
         """Draw measured and rebuilt torque of a log, with the residual below.
@@ -280,10 +283,10 @@ def identify(
     *,
     validate: Recording | Sequence[Recording] = (),
     arm: str | Path | Arm | None = None,
-    method: str | Sequence[str] = "consistent",
+    method: str | Sequence[str] = "weighted-consistent",
     filter: str = "dct",
     cutoff: float | None = None,
-    friction: bool = False,
+    friction: bool = True,
     prior: str | Path | Mapping[str, Mapping[str, float]] | None = None,
     self_test: bool = False,
     seed: int = 1,
@@ -304,8 +307,8 @@ def identify(
         Conventions of the arm: columns, units, signs, zero positions, torque constants.
     method : str or sequence of str
         ``"ordinary"``, ``"weighted"``, ``"robust"``, ``"instrumental"``, ``"bounded"``, ``"consistent"``,
-        ``"parsimonious"``, ``"algorithm1"``, ``"algorithm1+refinement"``, or the groups ``"least-squares"`` and
-        ``"all"``. Of several methods the one that predicts best is recommended.
+        ``"weighted-consistent"``, ``"parsimonious"``, ``"algorithm1"``, ``"algorithm1+refinement"``, or the groups
+        ``"least-squares"`` and ``"all"``. Of several methods the one that predicts best is recommended.
     filter : {"dct", "savitzky-golay", "butterworth"}
         Zero-phase filter.
     cutoff : float, optional

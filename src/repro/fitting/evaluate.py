@@ -13,6 +13,7 @@ from repro.fitting.prior import NOT_NEGATIVE
 from repro.fitting.problem import SCALE_OF_JOINT_1, IdentificationProblem, join_logs, single_problem
 from repro.fitting.recommend import compare_networks, recommend, warnings, wrong_length
 from repro.fitting.result import (
+    EXPORTS,
     HALVES,
     Curves,
     Excitation,
@@ -30,7 +31,7 @@ from repro.fitting.text import FIXED, calibration_warnings, inconsistency, verdi
 from repro.identification.armfile import Arm
 from repro.identification.calibration import correct_calibration
 from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
-from repro.identification.extra_terms import ROTOR, values_of
+from repro.identification.extra_terms import ROTOR, TERMS, term_columns, values_of
 from repro.identification.filtering import FILTERS, SEGMENT, motion_cutoff, smooth_motion
 from repro.identification.least_squares import METHODS
 from repro.identification.log import period, segments, uniform
@@ -122,8 +123,8 @@ def _prior_weight(method: Method, regression: Regression, estimate: Estimate) ->
     weight, prior = np.zeros(len(NAMES)), regression.prior
     if prior is not None:
         weight[prior.known] = 1.0
-        for k in prior.informative:
-            moved = method.repeat(replace(regression, prior=prior.shifted(k)), estimate)
+        for k, shifted in zip(prior.informative, prior.shifted(), strict=False):
+            moved = method.repeat(replace(regression, prior=shifted), estimate)
             weight[k] = np.clip((moved[k] - estimate.beta[k]) / prior.sd[k], 0.0, 1.0)
     return weight
 
@@ -209,7 +210,7 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         reason=reason,
         warnings=(
             *calibration_warnings(problem.logs, arm, SCALE_OF_JOINT_1 in problem.perturbations),
-            *wrong_length(methods[best], arm),
+            *wrong_length(problem.length),
             *warnings(problem, methods, recommended, excitation),
         ),
         calibration_errors=tuple(log.calibration_errors for log in problem.logs),
@@ -217,8 +218,24 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
         friction=tuple(log.terms for log in problem.logs),
         prior={name: {"value": mean, "sd": sd} for name, mean, sd in known if np.isfinite(sd)},
     )
+    result = replace(result, exports=_export_scores(problem, result, betas[best]))
     signals = tuple(_signals(loaded.name, regression, methods, betas) for loaded, regression, _ in logs)
     return result, Curves(signals, problem.first.cutoff)
+
+
+def _export_scores(problem: IdentificationProblem, result: Result, beta: Array) -> dict[str, tuple[Score, ...]]:
+    """Score the exports that leave out a term of the arm, on every log."""
+    first, scores = problem.first, dict[str, list[Score]]()
+    logs = [(log.loaded, log.regression, log.settings) for log in problem.logs]
+    logs += [(loaded, regression, first.settings) for loaded, regression in problem.validation]
+    for name in EXPORTS:
+        left = [term for term in first.taken if term.name in result.left_out_of(name)]
+        values = np.array([term.value for term in left])
+        for loaded, r, settings in logs if left else ():
+            torque = term_columns(TERMS, loaded.log, settings, first.load, left) @ values
+            alone = replace(r, tau=r.tau + torque * r.mask)
+            scores.setdefault(name, []).append(score(loaded.name, alone, beta, None))
+    return {name: tuple(of_logs) for name, of_logs in scores.items()}
 
 
 def _level(x: Array, h: float, low: float, high: float) -> Array:

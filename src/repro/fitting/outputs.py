@@ -18,19 +18,20 @@ from repro.fitting import tables, text
 from repro.fitting.export import horizontal_links_of, links_of, mjcf, urdf
 from repro.fitting.figures import MAX_DRAWN_METHODS, figures_of, ordered_titles
 from repro.fitting.recommend import unusable
-from repro.fitting.result import Curves, Result
+from repro.fitting.result import MJCF_FILE, URDF_FILE, Curves, Result
 from repro.identification.armfile import Arm
 from repro.identification.extra_terms import ROTOR
 from repro.provenance import write_provenance
 
 METHODS_FILE = Path(__file__).with_name("methods.bib")  # BibTeX entries of the methods
 KEYS = {"calibration_errors": "setup", "calibration_limits": "hidden"}  # of `parameters.json`, by field of a result
-OPTIONAL = {"arm.urdf", "arm.xml", "no-links.txt", "runs.csv"}  # files that are written or not, as the result has it
+OPTIONAL = {URDF_FILE, MJCF_FILE, "no-links.txt", "runs.csv"}  # files that are written or not, as the result has it
 
 #: BibTeX keys of the intervals, and of the solvers of some methods.
 INTERVALS = ("kunsch1989jackknife", "kott2001delete", "jcgm2008gum", "baranchik1970family", "cook1994simex")
 SOLVERS = {
     "consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
+    "weighted-consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
     "parsimonious": ("diamond2016cvxpy", "goulart2024clarabel"),
     "algorithm1+refinement": ("storn1997differential",),
 }
@@ -102,8 +103,9 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
             links = replace(links, rotor=sum(t.value for t in result.terms if t.taken and t.kind == ROTOR))
             if poor := unusable(result.best):
                 links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))
-            write_text(folder / "arm.urdf", urdf(links, result.arm))
-            write_text(folder / "arm.xml", mjcf(links, result.arm))
+            for name, export in ((URDF_FILE, urdf), (MJCF_FILE, mjcf)):
+                notes = [line for line in text.export_lines(result) if line.startswith(name)]
+                write_text(folder / name, export(replace(links, notes=(*links.notes, *notes)), result.arm))
             return
     write_text(folder / "no-links.txt", f"No URDF or MJCF. {reason}\n")
 
@@ -115,8 +117,8 @@ FILES = {
     "runs.csv": "the parameters from each log alone, a row each, with their range",
     "residuals.csv": "measured and rebuilt torque over time",
     "scores.csv": "the errors of every method on every log, a row each",
-    "arm.urdf": "two links with these inertias, for ROS and most simulators",
-    "arm.xml": "the same links for MuJoCo",
+    URDF_FILE: "two links with these inertias, for ROS and most simulators",
+    MJCF_FILE: "the same links for MuJoCo",
     "no-links.txt": "why there is no URDF or MJCF",
     "methods.bib": "sources of the methods, to cite",
 }
@@ -147,6 +149,7 @@ def render_page(
         policy=policy(style),
         logs=logs,
         fitted=len(result.fitted_logs),
+        export_lines=text.export_lines(result),
         detection_limits=text.detection_limits(result),
         facts=[(name, [dict(log.facts).get(name, "") for log in logs]) for name in facts],
         predictions=tables.predictions(best),

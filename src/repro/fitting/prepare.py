@@ -43,7 +43,7 @@ class Options:
     seed: int = 1  # of the bootstrap, of training and of the search
     steps: int = 1500  # training steps of the CNN
     prior: Prior | None = None  # of the parameters
-    friction: bool = False  # whether friction that Eq. 1 does not model is subtracted where the log shows it
+    friction: bool = True  # whether friction that Eq. 1 does not model is subtracted where the log shows it
 
     def __post_init__(self) -> None:
         """Refuse what the command line refuses, too."""
@@ -165,7 +165,9 @@ def _choose_settings(
         chosen = replace(chosen, hertz=options.cutoff, reason=GIVEN)
     elif common is not None:
         chosen = _lowered(chosen, common.hertz)
-    settings = replace(settings, cutoff=chosen.hertz)
+    # Noise above the cut-off biases estimates where it enters sines and signs: a given cut-off needs no wider filter.
+    width = float(np.clip(settings.width * chosen.by_noise / chosen.hertz, 1.0, settings.width))
+    settings = replace(settings, cutoff=chosen.hertz, width=width)
     check_rate(log, chosen)
     if arm.friction_steepness is None:
         steepness = common.friction_steepness if common else filtering.choose_steepness([(log, settings)])

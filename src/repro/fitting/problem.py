@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from repro.errors import InputError
+from repro.fitting.link_length import LinkLength, link_length
 from repro.fitting.prepare import LoadedLog, Options, PreparedLog, check_rate, mean_scale, prepare_logs, wrong_torque
 from repro.fitting.prior import with_plane
 from repro.identification import uncertainty
@@ -36,6 +37,7 @@ class IdentificationProblem:
     excited: Identifiability  # which parameters the motion identifies
     estimates_delay: bool  # whether the delay is estimated from the log
     prior: Prior | None = None  # of the parameters
+    length: LinkLength | None = None  # of link 1, where the arm file states it
 
     @cached_property
     def left_out(self) -> tuple[tuple[PreparedLog, Regression], ...]:
@@ -85,6 +87,14 @@ def _subtracted_columns(regression: Regression, logs: Sequence[tuple[WeightedLog
 
 def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
     """Join several logs and a prior to one regression without standstill, and its perturbations."""
+    regression, perturbations = _join_logs(logs, prior)
+    if prior is None:
+        return regression, perturbations
+    return uncertainty.attach_prior(prior, regression, perturbations)
+
+
+def _join_logs(logs: Sequence[PreparedLog], prior: Prior | None) -> tuple[Regression, dict[str, Perturbation]]:
+    """Join several logs; the prior decides only which torque constant is wrong."""
     weights = _weights(logs)
     weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
     pairs = list(zip(weighted, logs, strict=True))
@@ -108,9 +118,7 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
         if factor is not None and wrong_torque(prior, beta, factor) is None:
             scaled = regression.change(lambda y: y / factor)
             perturbations[SCALE_OF_JOINT_1] = Perturbation((scaled,), rival=True)
-    if prior is None:
-        return regression, perturbations
-    return uncertainty.attach_prior(prior, regression, perturbations)
+    return regression, perturbations
 
 
 def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:
@@ -143,7 +151,12 @@ def make_problem(
         check_rate(loaded.log, first.cutoff)
     predicted = tuple((loaded, prepare(loaded.log, first.settings)) for loaded in validation)
     prior = with_plane(options.prior, arm)
-    without_standstill, perturbations = join_logs(logs, prior)
+    without_standstill, perturbations = _join_logs(logs, prior)
+    length = link_length(arm, without_standstill, perturbations)
+    if length is not None and length.relation is not None:
+        prior = replace(prior or Prior(), relations=(length.relation,))
+    if prior is not None:
+        without_standstill, perturbations = uncertainty.attach_prior(prior, without_standstill, perturbations)
     return IdentificationProblem(
         logs=logs,
         regression=joined([log.regression for log in logs]),
@@ -153,6 +166,7 @@ def make_problem(
         excited=excitation(without_standstill),
         estimates_delay=arm.delay is None,
         prior=prior,
+        length=length,
     )
 
 

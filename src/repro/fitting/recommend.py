@@ -7,10 +7,11 @@ from operator import itemgetter
 import numpy as np
 
 from repro.errors import option
+from repro.fitting.link_length import LinkLength
 from repro.fitting.prepare import delay_at_limit
 from repro.fitting.problem import IdentificationProblem
 from repro.fitting.result import HALVES, Excitation, MethodResult, Score
-from repro.identification.armfile import Arm
+from repro.identification.filtering import MIN_SIGNAL_TO_NOISE
 from repro.identification.least_squares import METHODS
 from repro.identification.regression import solve
 from repro.identification.scores import driven, relative_rms
@@ -31,10 +32,10 @@ class Limits:
     max_similarity_loss: float = 0.005  # loss of similarity, fraction of 1, up to which fits are equally good
     max_prior_deviation: float = 3.0  # standard deviations of the prior between its mean and the estimate
     min_free_over_known: float = 0.8  # torque error without a known parameter over that with it
-    max_length_ratio: float = 1.25  # implied over given length of link 1, or its inverse
     min_delay_s: float = -0.005  # delay of the torque: no drive has one below this
     min_length_s: float = 15.0  # length of the logs together
     max_equal_ratio: float = 1.01  # ratio of errors that are equally good
+    max_similar_ratio: float = 1.05  # ratio of errors above which the other method is named
 
 
 LIMITS = Limits()
@@ -56,7 +57,9 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     errors = [prediction_error(m) for m in able]
     if min(errors) == np.inf:
         errors = [float(np.mean(m.fit.relative_rms)) for m in able]
-    best = next(m for m, error in zip(able, errors, strict=True) if error <= LIMITS.max_equal_ratio * min(errors))
+    position = [_position_error(m) for m in able]
+    judged = errors if min(position) == np.inf else np.multiply(errors, position).tolist()
+    best = next(m for m, error in zip(able, judged, strict=True) if error <= LIMITS.max_equal_ratio * min(judged))
     if not consistent:
         return best.method, "none of the methods gives physically consistent parameters; this one predicts best"
     if len(methods) == 1:
@@ -67,7 +70,27 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     halves = best.halves and best.halves[0].log in HALVES
     rest = "each half from the other" if halves else "each log from the others"
     on = "the validation logs" if best.validation else rest
-    return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
+    if judged is errors:
+        return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
+    what = "smallest product of mean torque error and mean position error after 0.5 s"
+    return best.method, f"{what} on {on} among the physically consistent methods{_disagreement(able, best)}"
+
+
+def _position_error(method: MethodResult) -> float:
+    """Mean error of the re-simulated position on the validation logs, rad; infinite without one of each."""
+    errors = [score.position_rms or (np.inf, np.inf) for score in method.validation]
+    return float(np.mean(errors)) if errors else np.inf
+
+
+def _disagreement(methods: Sequence[MethodResult], best: MethodResult) -> str:
+    """Name the methods with a clearly smaller torque error or position error than the recommended one."""
+    found, kinds = [], (("torque", prediction_error, 100.0, "%"), ("position", _position_error, 1.0, "rad"))
+    for what, error, factor, unit in kinds:
+        other = min(methods, key=error)
+        here, there = factor * error(best), factor * error(other)
+        if here > LIMITS.max_similar_ratio * there:
+            found.append(f"{other.method} has the smaller {what} error, {there:.2g} instead of {here:.2g} {unit}")
+    return "".join(f"; {line}" for line in found)
 
 
 def compare_networks(methods: Sequence[MethodResult], networks: Sequence[str]) -> tuple[MethodResult, ...]:
@@ -96,7 +119,12 @@ def warnings(
 ) -> tuple[str, ...]:
     """List what may spoil the result as a whole, one line each: first what an option or the arm file can change."""
     best = next(m for m in methods if m.method == recommended)
-    can_be_changed = (*_unusable(methods, best), *contradicted(problem, best), *odd_delay(problem))
+    can_be_changed = (
+        *_unusable(methods, best),
+        *contradicted(problem, best),
+        *noisy_cutoff(problem),
+        *odd_delay(problem),
+    )
     of_logs = (*undriven(problem, best), *disagreeing(problem, best), *_poor_scores(best))
     return (*can_be_changed, *of_logs, *_poor_excitation(excitation, best), *_short(problem))
 
@@ -113,7 +141,8 @@ def unusable(method: MethodResult) -> str:
 
 def _unusable(methods: Sequence[MethodResult], best: MethodResult) -> Iterator[str]:
     if reason := unusable(best):
-        remedy = "" if any(m.method == "consistent" for m in methods) else f"; give {option('method', 'consistent')}"
+        given = any("consistent" in m.method for m in methods)
+        remedy = "" if given else f"; give {option('method', 'weighted-consistent')}"
         yield reason + (": do not use the parameters, nor their URDF and MJCF" if best.consistent else remedy)
 
 
@@ -139,18 +168,17 @@ def contradicted(problem: IdentificationProblem, method: MethodResult) -> Iterat
             yield f"the log contradicts the prior of {p.name}: {found}; check the prior, or leave {p.name} out of it"
 
 
-def wrong_length(method: MethodResult, arm: Arm) -> Iterator[str]:
-    """Warn if I2 and g2 imply another length of link 1 than the arm file: wrong times change inertia, not gravity."""
-    i2, g2 = method.parameters[1], method.parameters[4]
-    if arm.link_lengths is None or arm.plane == "horizontal" or not (i2.low and i2.high and g2.low and g2.high):
+def wrong_length(length: LinkLength | None) -> Iterator[str]:
+    """Warn if I2 and g2 contradict the length of link 1: wrong times change inertia, not gravity."""
+    if length is None or length.relation is not None:
         return
-    given, *implied = arm.link_lengths[0], *(i2.low / g2.high, i2.estimate / g2.estimate, i2.high / g2.low)
-    low, length, high = (0.5 * arm.gravity * ratio for ratio in implied)
-    differs = low > LIMITS.max_length_ratio * given or high < given / LIMITS.max_length_ratio
-    if g2.low > 0.0 and low > 0.0 and differs:
-        found = f"I2 and g2 imply l1 = {length:.3g} m, and the arm file states {given:.3g} m"
-        reason = f"times that are {np.sqrt(length / given):.2g} times the true ones explain it"
-        yield f"{found}: check link_lengths and the unit of time ({reason})"
+    found = (
+        f"I2 and g2 imply l1 = {length.implied:.3g} m, and the arm file states {length.given:.3g} m, which is left out"
+    )
+    remedy = "check link_lengths and the unit of time"
+    if length.implied > 0.0:
+        remedy += f" (times that are {np.sqrt(length.implied / length.given):.2g} times the true ones explain it)"
+    yield f"{found}: {remedy}"
 
 
 def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
@@ -187,7 +215,7 @@ def _poor_scores(method: MethodResult) -> Iterator[str]:
         yield f"Eq. 1 leaves {found}: {remedy}"
     if abs(worst := max(method.whiteness, key=abs)) > LIMITS.max_autocorrelation:
         reason = "Eq. 1 does not model this friction or flexibility"
-        remedy = f"compare with {option('friction')} and {option('self-test')}"
+        remedy = f"compare with {option('self-test')}"
         yield f"residuals are far from white (autocorrelation {worst:.2f}): {reason}; {remedy}"
     worst = max((max(s.relative_rms) for s in method.validation), default=0.0)
     if worst > max(LIMITS.max_prediction_over_fit * fit, LIMITS.max_good_prediction_error):
@@ -220,6 +248,15 @@ def _short(problem: IdentificationProblem) -> Iterator[str]:
     if length < LIMITS.min_length_s:
         reason = f"the intervals are reliable from {LIMITS.min_length_s:g} s on"
         yield f"the log is short, {length:.3g} s: {reason}; record more"
+
+
+def noisy_cutoff(problem: IdentificationProblem) -> Iterator[str]:
+    """Warn of a given cut-off at which the position is too near its noise."""
+    cutoff = max((log.cutoff for log in problem.logs), key=lambda cutoff: cutoff.hertz / cutoff.by_noise)
+    if cutoff.hertz > cutoff.by_noise:
+        found = f"above {cutoff.by_noise:.3g} Hz the position is less than {MIN_SIGNAL_TO_NOISE:g} times its noise"
+        reason = f"a cut-off of {cutoff.hertz:.3g} Hz biases inertia towards zero"
+        yield f"{found}: {reason}; leave --cutoff (Python: cutoff) out, or record larger or faster motion"
 
 
 def odd_delay(problem: IdentificationProblem) -> Iterator[str]:

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from repro.identification.calibration import CalibrationError
-from repro.identification.extra_terms import ExtraTerm
+from repro.identification.extra_terms import ROTOR, ExtraTerm
 from repro.identification.filtering import Cutoff
 from repro.logs.diagnostics import Description
 from repro.model.parameters import Array
 
+URDF_FILE, MJCF_FILE = EXPORTS = ("arm.urdf", "arm.xml")  # models of the arm for simulators
 #: Halves of a log, each predicted from the other. Methods without intervals would train a network for each.
 HALVES = ("second half", "first half")
 
@@ -158,6 +159,8 @@ class Result:
     calibration_errors: tuple[tuple[CalibrationError, ...], ...] = ()
     calibration_limits: tuple[dict[str, float | None], ...] = ()
     friction: tuple[tuple[ExtraTerm, ...], ...] = ()
+    # Scores of the recommended parameters in an export that cannot contain a term beyond Eq. 1, by the file's name.
+    exports: dict[str, tuple[Score, ...]] = field(default_factory=dict)
     selftest: SelfTest | None = None
     prior: dict[str, dict[str, float]] = field(default_factory=dict)  # value and sd of each parameter with a prior
     runs: tuple[SingleFit, ...] = ()  # each of several logs by itself
@@ -178,6 +181,12 @@ class Result:
     def terms(self) -> tuple[ExtraTerm, ...]:
         """The terms beyond Eq. 1."""
         return self.friction[0] if self.friction else ()
+
+    def left_out_of(self, export: str) -> tuple[str, ...]:
+        """Names of the terms of the arm that an export cannot contain: MJCF has the rotor, URDF none."""
+        return tuple(
+            term.name for term in self.terms if term.taken and not (term.kind == ROTOR and export == MJCF_FILE)
+        )
 
     @property
     def best(self) -> MethodResult:

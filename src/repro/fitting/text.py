@@ -193,8 +193,17 @@ def term_line(term: ExtraTerm) -> str:
     if not term.taken and kind == ROTOR:
         remedy = "; the intervals allow for it"
     elif not term.taken and term.gain >= MIN_ERROR_REDUCTION:
-        remedy = f": give {option('friction')}"
+        remedy = ": leave --no-friction (Python: friction=False) out"
     return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
+
+
+def export_lines(result: Result) -> tuple[str, ...]:
+    """Report the torque error of each export that cannot contain a term of the arm."""
+    lines = []
+    for name, scores in result.exports.items():
+        errors = ", ".join(_errors("", score) for score in scores)
+        lines.append(f"{name} leaves out {', '.join(result.left_out_of(name))}: torque error {errors} %")
+    return tuple(lines)
 
 
 def detection_limits(result: Result) -> tuple[str, ...]:
@@ -255,6 +264,7 @@ def summary(result: Result) -> str:
     if best.claims_intervals:
         lines.append(f"  {ALLOWED_GROUPS} (in full: report.html)")
     lines += [f"  {term_line(term)}" for term in result.terms if term.taken]
+    lines += [f"  {line}" for line in export_lines(result)]
     lines += [f"  {line}" for line in detection_limits(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")
     for m in result.methods:

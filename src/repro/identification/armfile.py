@@ -200,7 +200,12 @@ class Arm:
     gravity: _Positive = _key("a number above 0, m/s^2", "for the exports", default=STANDARD_GRAVITY)
     link_lengths: _TwoPositive | None = _key(
         "two numbers above 0, the lengths of link 1 and link 2, m",
-        "for `workspace` and the exports: l1 is compared, l2 guides the choice of m2",
+        "between the axes, and to the tool: l1 enters the fit (I2 = 2 l1 g2 / g), l2 `workspace` and the exports",
+    )
+    link_length_sd: _Positive = _key(
+        "a number above 0, m",
+        "standard deviation of l1 as measured; a large one leaves l1 out of the fit",
+        default=1e-3,
     )
     friction_steepness: Annotated[_Positive | None, _Automatic] = _key(
         "a number above 0, s/rad, or auto",

@@ -36,7 +36,7 @@ def excitation(regression: Regression) -> Identifiability:
     prior = regression.prior
     y = without_known(regression).y
     if prior is not None:
-        rows = np.diag(np.sqrt(prior.precision * prior.variance))
+        rows = np.sqrt(prior.variance) * prior.rows()[0]
         y = np.concatenate([y.reshape(-1, y.shape[-1]), rows])[np.newaxis]
     known = np.zeros(len(NAMES), bool) if prior is None else prior.known
     a, scale = unit_columns(y)

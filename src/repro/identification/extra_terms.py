@@ -39,6 +39,7 @@ POSITION_DIFFERENCE = 1e-4  # difference with which columns of errors of the pos
 #: Speeds at which Stribeck friction may have fallen to 1/e of its value at rest, rad/s.
 STRIBECK_SPEEDS = (0.1, 0.2, 0.5)
 N_NINE = len(NAMES)
+N_LOAD = 5  # inertia and gravity: the first parameters, whose torque loads the gear
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +111,7 @@ def rotor_inertia(log: SmoothLog) -> Array:
 
 def load_friction(log: SmoothLog) -> Array:
     """Compute Coulomb friction in proportion to the torque that the gear carries, shape (2, N, 2)."""
-    return one_joint(np.abs(log.y[..., :5] @ log.beta[:5]) * log.coulomb)
+    return one_joint(np.abs(log.y[..., :N_LOAD] @ log.beta[:N_LOAD]) * log.coulomb)
 
 
 def stribeck(log: SmoothLog, speed: float = STRIBECK_SPEEDS[-1], power: int = 2) -> Array:
@@ -180,6 +181,7 @@ TERMS: dict[str, TermKind] = {
     "stribeck": TermKind(stribeck),
     "rotor": TermKind(rotor_inertia, (2,), min_reduction=MIN_REPORTED_REDUCTION),
 }
+LOAD = "load"  # the kind of friction that is not linear in the acceleration
 ROTOR = "rotor"  # the kind that is no friction: it is subtracted without being asked
 
 

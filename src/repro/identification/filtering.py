@@ -231,6 +231,7 @@ class Cutoff:
     coherence: Array  # squared coherence of recorded and rebuilt torque of each joint, (2, m)
     position: Array  # amplitude of the position over that of its noise, of each joint, (2, m)
     highest: float  # highest cut-off that could have been chosen, Hz
+    by_noise: float = np.inf  # frequency above which the position is too near its noise, Hz
 
 
 def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
@@ -268,7 +269,7 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
         reason = f"position and torque are good up to {highest:.3g} Hz, the most that is used"
     elif by_coherence <= by_noise:
         reason = f"above {hertz:.3g} Hz Eq. 1 explains less than half of the torque's power"
-    return Cutoff(hertz, reason, frequency, coherence, position, highest)
+    return Cutoff(hertz, reason, frequency, coherence, position, highest, by_noise)
 
 
 def _density(

@@ -1,16 +1,29 @@
 """The arm that was identified: Eq. 1 with the terms beyond it, and how a log records its angles and torques."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from repro.identification.calibration import CALIBRATION
-from repro.identification.extra_terms import TERM_NAMES, TERMS, ExtraTerm, SmoothLog, raw_columns
+from repro.identification.extra_terms import (
+    LOAD,
+    N_LOAD,
+    ROTOR,
+    TERM_NAMES,
+    TERMS,
+    ExtraTerm,
+    SmoothLog,
+    raw_columns,
+    values_of,
+)
 from repro.identification.filtering import FilterSettings
-from repro.model.dynamics import check_motion
+from repro.identification.scores import integrate
+from repro.model.dynamics import check_motion, mass_matrix, regressor
 from repro.model.parameters import Array
+
+MAX_LOAD_ITERATIONS = 5  # solutions after which the directions of the loads, two of each, must be right
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,3 +51,27 @@ class IdentifiedArm:
             subset, values = [TERM_NAMES.index(term.name) for term in self.terms], [term.value for term in self.terms]
             torque = torque + raw_columns(TERMS, along)[..., subset] @ np.array(values)
         return np.asarray(torque * scale + offset)
+
+    def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
+        """Integrate the motion (2, N) from a state (2,) under a torque (2, N) that is linear between instants."""
+        accelerate = self._acceleration if self.terms else None
+        return integrate(t, tau, q0, dq0, self.beta, self.friction_steepness, accelerate)
+
+    def _acceleration(self, q: Array, dq: Array, tau: Array) -> Array:
+        """Solve `torque` for the acceleration (2,): it is linear in it where the direction of each load is known."""
+        values = values_of(self.terms)
+        load_beta = self.beta if self.load is None else self.load
+        at_rest = replace(self, calibration={}, terms=[t for t in self.terms if t.kind != LOAD])
+        rest = tau - at_rest.torque(q[:, None], dq[:, None], np.zeros((2, 1)))[:, 0]
+        mass = mass_matrix(q, self.beta) + np.diag([values.get(f"{ROTOR}{joint}", 0.0) for joint in (1, 2)])
+        load_mass = mass_matrix(q, load_beta)
+        still = regressor(q[:, None], dq[:, None], np.zeros((2, 1)))[:, 0, :N_LOAD] @ load_beta[:N_LOAD]
+        friction = np.array([values.get(f"{LOAD}{joint}", 0.0) for joint in (1, 2)])
+        friction *= np.tanh(self.friction_steepness * dq)
+        ddq = np.linalg.solve(mass, rest)
+        for _ in range(MAX_LOAD_ITERATIONS):
+            factor = friction * np.sign(load_mass @ ddq + still)
+            before, ddq = ddq, np.linalg.solve(mass + factor[:, None] * load_mass, rest - factor * still)
+            if np.array_equal(before, ddq):
+                break
+        return ddq

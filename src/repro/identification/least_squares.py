@@ -67,11 +67,21 @@ def ordinary(regression: Regression) -> Estimate:
 @with_known
 def weighted(regression: Regression) -> Estimate:
     """Minimise each joint's errors in units of their own standard deviation (Swevers and others)."""
+    beta, size = _weighted_fit(regression)
+    return Estimate(beta, (_weights_note(size),))
+
+
+def _weighted_fit(regression: Regression) -> tuple[Array, Array]:
+    """Compute weighted parameters (9,) and the size (2, 1) of each joint's torque errors, N m."""
     beta = solve(regression.y, regression.tau, prior=regression.prior)
     for _ in range(WEIGHTED_ITERATIONS):
         beta = solve(regression.y, regression.tau, 1.0 / joint_variance(regression, beta), regression.prior)
-    first, second = np.sqrt(joint_variance(regression, beta))[:, 0]
-    return Estimate(beta, (f"torque errors of {first:.3g} and {second:.3g} N m made the weights of joints 1 and 2",))
+    return beta, np.sqrt(joint_variance(regression, beta))
+
+
+def _weights_note(size: Array) -> str:
+    first, second = size[:, 0]
+    return f"torque errors of {first:.3g} and {second:.3g} N m made the weights of joints 1 and 2"
 
 
 @with_known
@@ -118,9 +128,10 @@ def instrumental(regression: Regression) -> Estimate:
         size = np.sqrt(np.prod(np.sqrt((weight * length).sum(1)), axis=0))
         matrix, product = (weight[..., None] * gram).sum(0), (weight * right).sum(0)
         if prior is not None:
-            added = 2.0 * of_rows * prior.precision
-            matrix, product = matrix + np.diag(added), product + added * prior.mean
-            size = np.sqrt(size**2 + added)
+            rows, values = prior.rows()
+            added = 2.0 * of_rows * rows.T @ rows
+            matrix, product = matrix + added, product + 2.0 * of_rows * rows.T @ values
+            size = np.sqrt(size**2 + added.diagonal())
         return solve_normal(matrix, product, size)
 
     beta = solution(np.ones((2, 1)), 1.0 if prior is None else prior.variance)
@@ -131,7 +142,7 @@ def instrumental(regression: Regression) -> Estimate:
 @with_known
 def bounded(regression: Regression) -> Estimate:
     """Solve least squares under the bounds beta >= 0, which line 22 of Algorithm 1 requires of a candidate."""
-    r, c, scale = reduced_problem(regression.y, regression.tau, regression.prior)
+    r, c, scale = reduced_problem(regression)
     z = lsq_linear(r, c, bounds=(0.0, np.inf), method="bvls").x * determined(r, c)
     beta = clip_to_bound(np.maximum(z, 0.0), 1e-12) / scale
     known = set() if regression.prior is None else {*np.flatnonzero(regression.prior.known)}
@@ -215,15 +226,25 @@ def _solve_definite(r: Array, c: Array, scale: Array, known: Array, low: Array, 
 @with_known
 def consistent(regression: Regression) -> Estimate:
     """Solve least squares with M(q) positive definite in every pose, friction >= 0 and I2 g1 g2 >= 0."""
-    problem = reduced_problem(regression.y, regression.tau, regression.prior)
-    beta, binding = solve_consistent(*problem, regression.known)
-    note = "the conditions of physical consistency hold it" if binding else "consistent without being held"
-    return Estimate(beta, (note,))
+    beta, binding = solve_consistent(*reduced_problem(regression), regression.known)
+    return Estimate(beta, (_binding_note(binding),))
+
+
+def _binding_note(binding: bool) -> str:
+    return "the conditions of physical consistency hold it" if binding else "consistent without being held"
+
+
+@with_known
+def weighted_consistent(regression: Regression) -> Estimate:
+    """Solve weighted least squares under the conditions of `consistent`."""
+    size = _weighted_fit(regression)[1]
+    beta, binding = solve_consistent(*reduced_problem(regression, size), regression.known)
+    return Estimate(beta, (_weights_note(size), _binding_note(binding)))
 
 
 @with_known
 def parsimonious(regression: Regression) -> Estimate:
-    """Solve consistent least squares with no more viscous friction than the log can show.
+    """Solve weighted consistent least squares with no more viscous friction than the log can show.
 
     Slow motion hardly distinguishes viscous from Coulomb friction. A penalty rho |Y_b b|^2 therefore shrinks the
     viscous torque: the strongest whose error in block cross-validation is within one standard error of the smallest
@@ -237,7 +258,7 @@ def parsimonious(regression: Regression) -> Estimate:
 def refit_parsimonious(regression: Regression, penalty: float) -> Array:
     """Compute consistent parameters (9,) under a given penalty rho."""
     rest = without_known(regression)
-    return _shrunk(reduced_problem(rest.y, rest.tau, rest.prior), penalty, rest.known)
+    return _shrunk(reduced_problem(rest, _weighted_fit(rest)[1]), penalty, rest.known)
 
 
 def _shrunk(problem: tuple[Array, Array, Array], penalty: float, known: Array) -> Array:
@@ -255,7 +276,7 @@ def _cross_validation_errors(regression: Regression) -> Array:
     errors = []
     for inside in np.split(samples, np.linspace(0, samples.size, BLOCKS + 1).astype(int)[1:-1]):
         rest, block = regression.take(np.delete(samples, inside)), regression.take(inside)
-        problem = reduced_problem(rest.y, rest.tau, rest.prior)
+        problem = reduced_problem(rest, _weighted_fit(rest)[1])
         residuals = (block.tau - block.y @ _shrunk(problem, penalty, rest.known) for penalty in PENALTIES)
         errors.append([np.sum(np.mean(error**2, axis=-1) / energy) for error in residuals])
     return np.stack(errors, axis=1)
@@ -279,13 +300,14 @@ METHODS: dict[str, Method] = {
         Method("instrumental", "instrumental variables", "janot2014generic", instrumental, needs_even_odd=True),
         Method("bounded", "bounded least squares", "branch1999subspace", bounded),
         Method("consistent", "consistent least squares", "sousa2014physical", consistent),
+        Method("weighted-consistent", "weighted consistent least squares", "sousa2014physical", weighted_consistent),
         Method(
             "parsimonious",
             "parsimonious least squares",
             "breiman1984cart",
             parsimonious,
             refit=refit_parsimonious,
-            unbiased=consistent,
+            unbiased=weighted_consistent,
         ),
     )
 }

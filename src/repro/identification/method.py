@@ -17,7 +17,16 @@ if TYPE_CHECKING:
     from repro.model.parameters import Array
 
 #: Keys of `repro.identification.least_squares.METHODS`, in the order of results.
-LEAST_SQUARES = ("ordinary", "weighted", "robust", "instrumental", "bounded", "consistent", "parsimonious")
+LEAST_SQUARES = (
+    "ordinary",
+    "weighted",
+    "robust",
+    "instrumental",
+    "bounded",
+    "consistent",
+    "weighted-consistent",
+    "parsimonious",
+)
 #: Methods that train a network for the motion, of `repro.identification.algorithm1.own_network`.
 NETWORKS = ("algorithm1", "algorithm1+refinement")
 GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}  # names that stand for several methods

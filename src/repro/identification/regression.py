@@ -3,14 +3,15 @@
 At rest static friction carries any torque up to its limit, so a standing sample of one joint is no information about
 that joint's row of Eq. 1, and is masked; the other row still counts.
 
-A Gaussian prior adds rows (generalised least squares). A row beta_k = m_k has the standard deviation s_k of the prior.
-The rows of a log are correlated: n are worth n / c independent ones, with c the integrated autocorrelation time of the
-residual over the sampling period. Rows of the prior are therefore multiplied by sigma sqrt(c) / s_k, with sigma the
-residual of the log alone. A parameter with s_k = 0 is known: its torque is subtracted, its column set to zero.
+A Gaussian prior adds rows (generalised least squares): beta_k = m_k with the standard deviation s_k of the prior, or a
+linear relation of the parameters with that of its value. The rows of a log are correlated: n are worth n / c
+independent ones, with c the integrated autocorrelation time of the residual over the sampling period. Rows of the prior
+are therefore multiplied by sigma sqrt(c) / s_k, with sigma the residual of the log alone. A parameter with s_k = 0 is
+known: its torque is subtracted, its column set to zero.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -27,14 +28,26 @@ SIGNALS = ("y", "tau", "q", "dq", "ddq", "mask")  # fields of a regression with 
 
 
 @dataclass(frozen=True, eq=False)
-class Prior:
-    """Means and standard deviations of the nine parameters."""
+class Relation:
+    """A linear relation that the parameters satisfy: coefficients @ beta = value."""
 
-    mean: Array  # (9,), SI; 0 where nothing is known
-    sd: Array  # (9,); infinity where nothing is known, 0 where the value is known
+    coefficients: Array  # (9,)
+    sd: float  # standard deviation of the value
+    value: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """Means and standard deviations of the nine parameters, and relations between them."""
+
+    mean: Array = field(default_factory=lambda: np.zeros(9))  # SI; 0 where nothing is known
+    sd: Array = field(
+        default_factory=lambda: np.full(9, np.inf)
+    )  # infinity where nothing is known, 0 for a known value
     variance: float = 1.0  # of the torque errors of the log next to it, N^2 m^2
     correlated: float = 1.0  # rows of that log that are worth one independent row
-    inflation: float | Array = 1.0  # whole over sampling variance of the log's own estimates (9,)
+    inflation: float | Array = 1.0  # whole over sampling variance of what each row states, by the log alone (m,)
+    relations: tuple[Relation, ...] = ()
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -47,18 +60,26 @@ class Prior:
         return [int(k) for k in np.flatnonzero(np.isfinite(self.sd) & ~self.known)]
 
     @property
-    def precision(self) -> Array:
-        """Weight (9,) of each squared error of the prior next to squared errors of rows of variance 1."""
-        weight = np.zeros(len(self.sd))
-        inflation = np.broadcast_to(self.inflation, weight.shape)
-        weight[self.informative] = self.correlated * inflation[self.informative] / self.sd[self.informative] ** 2
-        return weight
+    def coefficients(self) -> Array:
+        """What each row states: coefficients (m, 9) of the informative parameters, then of the relations."""
+        return np.vstack([np.eye(9)[self.informative], *(r.coefficients * ~self.known for r in self.relations)])
 
-    def shifted(self, k: int) -> "Prior":
-        """Move the mean of a parameter by its standard deviation."""
-        mean = self.mean.copy()
-        mean[k] += self.sd[k]
-        return replace(self, mean=mean)
+    def rows(self) -> tuple[Array, Array]:
+        """Give coefficients (m, 9) and values (m,) in units in which they count as rows of variance 1."""
+        known = np.where(self.known, self.mean, 0.0)
+        of_relations = [relation.value - relation.coefficients @ known for relation in self.relations]
+        values = np.array([*self.mean[self.informative], *of_relations])
+        sd = np.array([*self.sd[self.informative], *(relation.sd for relation in self.relations)])
+        weight = np.sqrt(self.correlated * np.broadcast_to(self.inflation, sd.shape)) / sd
+        return weight[:, np.newaxis] * self.coefficients, weight * values
+
+    def shifted(self) -> "Iterator[Prior]":
+        """Move what each row states by its standard deviation, one row at a time."""
+        for k in self.informative:
+            yield replace(self, mean=self.mean + np.where(np.arange(9) == k, self.sd, 0.0))
+        for moved in self.relations:
+            others = tuple(r if r is not moved else replace(r, value=r.value + r.sd) for r in self.relations)
+            yield replace(self, relations=others)
 
 
 @dataclass(frozen=True, eq=False)  # identity hash, so that results can be cached per instance
@@ -223,21 +244,28 @@ def solve(y: Array, tau: Array, weight: Array | None = None, prior: Prior | None
     weighted = (y * np.asarray(1.0 if weight is None else weight)[..., np.newaxis]).reshape(flat.shape)
     gram, right = weighted.T @ flat, weighted.T @ tau.reshape(-1)
     if prior is not None:
-        added = prior.precision * (prior.variance if weight is None else 1.0)
-        gram, right = gram + np.diag(added), right + added * prior.mean
+        rows, values = prior.rows()
+        factor = prior.variance if weight is None else 1.0
+        gram, right = gram + factor * rows.T @ rows, right + factor * rows.T @ values
     return solve_normal(gram, right, np.sqrt(gram.diagonal()))
 
 
-def reduced_problem(y: Array, tau: Array, prior: Prior | None = None) -> tuple[Array, Array, Array]:
+def reduced_problem(regression: Regression, size: Array | None = None) -> tuple[Array, Array, Array]:
     """Reduce |Y beta - tau|^2, but for a constant, to |R z - c|^2 with R (k, 9), c (k,) and beta = z / scale (9,).
 
-    Further rows are those of the prior, and rows that pull undetermined directions, and more weakly all of z, to zero.
+    `size` (2, 1) of each joint's torque errors, N m, is the unit of its rows. Further rows are those of the prior,
+    and rows that pull undetermined directions, and more weakly all of z, to zero.
     """
+    y, tau = regression.y, regression.tau
+    if size is not None:
+        y, tau = y / size[..., np.newaxis], tau / size
     a, scale = unit_columns(y)
     gram, product = a.T @ a, a.T @ tau.reshape(-1)
-    if prior is not None:
-        added = prior.precision * prior.variance / scale
-        gram, product = gram + np.diag(added / scale), product + added * prior.mean
+    if (prior := regression.prior) is not None:
+        rows, values = prior.rows()
+        factor = prior.variance if size is None else 1.0
+        rows = rows / scale
+        gram, product = gram + factor * rows.T @ rows, product + factor * rows.T @ values
         length = np.sqrt(np.where(gram.diagonal() > 0.0, gram.diagonal(), 1.0))
         gram, product, scale = gram / length / length[:, None], product / length, scale * length
     moved = np.flatnonzero(gram.diagonal() > 0.0)

@@ -1,6 +1,7 @@
 """How well parameters predict: similarity and relative error of the torque, and error of the re-simulated position."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -15,6 +16,9 @@ from repro.identification.regression import Regression
 from repro.model.dynamics import check_motion, forward_dynamics, rebuild_torque
 from repro.model.parameters import Array, is_positive_definite
 from repro.signals.metric import UNIT_FREE_METRIC, MetricSettings, metr2ev
+
+#: Acceleration (..., 2) at a position, velocity and torque (..., 2).
+Acceleration = Callable[[Array, Array, Array], Array]
 
 MIN_DRIVE_RATIO = 0.02  # torque over the torques that it is made of, below which a joint is not driven
 WINDOW, MAX_WINDOWS = 0.5, 40  # length of a window of re-simulation, s, and most windows, evenly spread over the log
@@ -89,9 +93,15 @@ def position_errors(log: Log, settings: FilterSettings, betas: Array) -> list[tu
 
 
 def integrate(
-    t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike, beta: Array, friction_steepness: float
+    t: ArrayLike,
+    tau: ArrayLike,
+    q0: ArrayLike,
+    dq0: ArrayLike,
+    beta: Array,
+    friction_steepness: float,
+    accelerate: Acceleration | None = None,
 ) -> tuple[Array, Array]:
-    """Integrate Eq. 1 from a state (2,) under a torque (2, N) that is linear between the instants t (N,)."""
+    """Integrate an acceleration, by default that of Eq. 1, from a state (2,), under a torque (2, N) at instants (N,)."""
     t, (tau,) = np.asarray(t, dtype=np.float64), check_motion(tau)
     x, v = (np.asarray(state, dtype=np.float64) for state in (q0, dq0))
     if t.shape != tau.shape[1:] or x.shape != (2,) or v.shape != (2,):
@@ -103,12 +113,13 @@ def integrate(
     needed = [_steps_per_sample(beta, float(span), friction_steepness) for span in np.diff(t)]
     if not np.isfinite(needed).all():
         raise ValueError("beta: the inertia matrix is not positive definite in every pose.")
+    move = accelerate or partial(forward_dynamics, beta=beta, friction_steepness=friction_steepness)
     states = [(x, v)]
     for k, span in enumerate(np.diff(t)):
         steps = int(needed[k])
         for step in range(steps):
             middle = tau[:, k] + (step + 0.5) / steps * (tau[:, k + 1] - tau[:, k])
-            x, v = _runge_kutta(x, v, middle, beta, span / steps, friction_steepness)
+            x, v = _runge_kutta(x, v, middle, span / steps, move)
         states.append((x, v))
     q, dq = (np.stack(signal, axis=-1) for signal in zip(*states, strict=True))
     return q, dq
@@ -136,7 +147,8 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> A
     if not starts.size:
         return np.full((len(betas), 2), np.nan)
     starts = starts[np.linspace(0, starts.size - 1, min(starts.size, MAX_WINDOWS)).astype(int)]
-    parameters, shape = betas[:, None, :], (len(betas), starts.size, 2)
+    shape = (len(betas), starts.size, 2)
+    move = partial(forward_dynamics, beta=betas[:, None, :], friction_steepness=settings.friction_steepness)
     x, v = (np.broadcast_to(s[:, starts].T, shape).copy() for s in (q, dq))
     squares = np.zeros(shape)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -145,7 +157,7 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> A
             at = log.t[starts + k] + 0.5 * h - settings.delay
             torque = np.broadcast_to(np.stack([np.interp(at, log.t, joint) for joint in log.tau], -1), shape)
             for _ in range(steps):
-                x, v = _runge_kutta(x, v, torque, parameters, h / steps, settings.friction_steepness)
+                x, v = _runge_kutta(x, v, torque, h / steps, move)
             diverged = ~(np.isfinite(x).all(-1) & np.isfinite(v).all(-1))
             squares[diverged] = np.inf
             x[diverged], v[diverged] = 0.0, 0.0
@@ -153,13 +165,13 @@ def _simulate(log: Log, settings: FilterSettings, betas: Array, steps: int) -> A
     return np.median(np.sqrt(squares / length), axis=1)
 
 
-def _runge_kutta(x: Array, v: Array, tau: Array, beta: Array, h: float, steepness: float) -> tuple[Array, Array]:
+def _runge_kutta(x: Array, v: Array, tau: Array, h: float, accelerate: Acceleration) -> tuple[Array, Array]:
     """One step of the classical Runge-Kutta method of order 4."""
-    a1 = forward_dynamics(x, v, tau, beta, steepness)
+    a1 = accelerate(x, v, tau)
     v2 = v + 0.5 * h * a1
-    a2 = forward_dynamics(x + 0.5 * h * v, v2, tau, beta, steepness)
+    a2 = accelerate(x + 0.5 * h * v, v2, tau)
     v3 = v + 0.5 * h * a2
-    a3 = forward_dynamics(x + 0.5 * h * v2, v3, tau, beta, steepness)
+    a3 = accelerate(x + 0.5 * h * v2, v3, tau)
     v4 = v + h * a3
-    a4 = forward_dynamics(x + h * v3, v4, tau, beta, steepness)
+    a4 = accelerate(x + h * v3, v4, tau)
     return x + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)

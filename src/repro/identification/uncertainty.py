@@ -187,6 +187,26 @@ def type_b_variance(
     return type_b + unmodelled, attenuation
 
 
+def _noise(regression: Regression) -> tuple[float, float]:
+    """Variance of the torque errors, N^2 m^2, and rows that are worth one independent row."""
+    beta = solve(regression.y, regression.tau)
+    time = correlation_time(regression.tau - regression.y @ beta, regression.h)
+    return mean_variance(regression, beta), max(2.0 * time / regression.h - 1.0, 1.0)
+
+
+def combination_variances(
+    coefficients: Array, regression: Regression, perturbations: Mapping[str, Perturbation]
+) -> tuple[Array, Array]:
+    """Compute variances (m,) of combinations (m, 9) of ordinary least squares: of sampling, and of all else."""
+    y, (variance, rows) = regression.y.reshape(-1, coefficients.shape[-1]), _noise(regression)
+    sampling = variance * rows * np.diag(coefficients @ np.linalg.pinv(y.T @ y) @ coefficients.T)
+
+    def combine(r: Regression) -> Array:
+        return coefficients @ solve(r.y, r.tau)
+
+    return sampling, sum(type_b_variance(combine, combine(regression), perturbations), np.zeros(()))
+
+
 def attach_prior(
     prior: Prior, regression: Regression, perturbations: Mapping[str, Perturbation]
 ) -> tuple[Regression, dict[str, Perturbation]]:
@@ -195,18 +215,15 @@ def attach_prior(
     The squared shifts by means that are off by their standard deviations add up (GUM 5.1.2). In linear least squares
     they complete the covariance of the posterior. The log counts by its whole variance, of sampling and type B.
     """
-    beta = solve(regression.y, regression.tau)
-    rows = max(2.0 * correlation_time(regression.tau - regression.y @ beta, regression.h) / regression.h - 1.0, 1.0)
-    variance, y = mean_variance(regression, beta), regression.y.reshape(-1, len(beta))
-    sampling = variance * rows * np.diag(np.linalg.pinv(y.T @ y))
-    shifted = sum(type_b_variance(lambda r: solve(r.y, r.tau), beta, perturbations))
+    variance, rows = _noise(regression)
+    sampling, shifted = combination_variances(prior.coefficients, regression, perturbations)
     inflation = 1.0 + np.where(sampling > 0.0, shifted / np.where(sampling > 0.0, sampling, 1.0), 0.0)
     prior = replace(prior, variance=variance, correlated=rows, inflation=inflation)
     results = {
         name: replace(perturbation, regressions=tuple(replace(r, prior=prior) for r in perturbation.regressions))
         for name, perturbation in perturbations.items()
     }
-    shifts = tuple(replace(regression, prior=prior.shifted(k)) for k in prior.informative)
+    shifts = tuple(replace(regression, prior=shifted) for shifted in prior.shifted())
     if shifts:
         results["prior"] = Perturbation(shifts, float(len(shifts)))
     return replace(regression, prior=prior), results
