@@ -11,8 +11,9 @@ from repro.fitting.link_length import LinkLength
 from repro.fitting.prepare import delay_at_limit
 from repro.fitting.problem import IdentificationProblem
 from repro.fitting.result import HALVES, Excitation, MethodResult, Score
-from repro.identification.filtering import MIN_SIGNAL_TO_NOISE
+from repro.identification.filtering import MAX_EXPECTED_DELAY, MIN_SIGNAL_TO_NOISE
 from repro.identification.least_squares import METHODS
+from repro.identification.log import period
 from repro.identification.regression import solve
 from repro.identification.scores import driven, relative_rms
 
@@ -24,7 +25,7 @@ class Limits:
     max_condition: float = 100.0  # condition number of the regressor
     max_friction_correlation: float = 0.9  # correlation of viscous and Coulomb friction of a joint
     max_autocorrelation: float = 0.5  # of the residual, one period of the cut-off apart
-    max_fit_error: float = 0.3  # relative RMS torque error of the fit
+    max_fit_error: float = 0.25  # relative RMS torque error of the fit
     max_usable_error: float = 0.5  # relative RMS torque error, fit or prediction, of parameters that may be used
     max_prediction_over_fit: float = 2.0  # prediction error over fit error
     max_good_prediction_error: float = 0.1  # relative RMS: up to it `max_prediction_over_fit` does not apply
@@ -39,6 +40,7 @@ class Limits:
 
 
 LIMITS = Limits()
+EQUAL = 1e-9  # relative difference of two delays that are the same but for rounding
 #: What to type for a motion that shows more.
 EXCITE = "record the motion that repro excite --arm arm.yaml -o OUT (Python: repro.excite) designs"
 
@@ -260,7 +262,7 @@ def noisy_cutoff(problem: IdentificationProblem) -> Iterator[str]:
 
 
 def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
-    """Warn of a delay that no drive has, or at the end of the search range."""
+    """Warn of a delay that few drives have, that none has, or at the end of the search range."""
     for log in problem.logs if problem.estimates_delay else ():
         where = f" in {log.loaded.log.name}" if len(problem.logs) > 1 else ""
         delay = f"{1e3 * log.settings.delay:.3g} ms"
@@ -271,3 +273,8 @@ def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
             found = f"the delay of the torque{where} is {delay}, as if it acted before it was recorded"
             reason = "either the stamps of position and torque differ, or the log does not determine it"
             yield f"{found}: {reason} (arm file: delay)"
+        elif log.settings.delay >= (most := MAX_EXPECTED_DELAY * period(log.recorded)) * (1.0 - EQUAL):
+            applied = log.settings.delay > most * (1.0 + EQUAL)
+            found = f"the torque{where} fits the motion best more than {MAX_EXPECTED_DELAY:g} sampling periods later"
+            what = f"{delay} are applied" if applied else f"only {delay} are applied, as the evidence is weak"
+            yield f"{found} than recorded: {what}; play, elasticity or ripple look like a delay (arm file: delay)"

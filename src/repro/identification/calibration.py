@@ -34,6 +34,8 @@ from repro.model.parameters import Array
 MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1  # most iterations of Gauss-Newton, and step in standard errors at which they end
 #: Zero (rad) beyond which it is no calibration error but another convention of the log, see `repro.logs.conventions`.
 MAX_ZERO = 0.25
+#: Relative RMS torque error of a corrected log above which Eq. 1 explains too little of it to show an error.
+MAX_CALIBRATED_ERROR = 0.5
 #: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
 MAX_SCALE = 3.0
 #: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of a joint over the one
@@ -61,7 +63,7 @@ class CalibrationError(Term):
         """Whether it is well away from none, not too large to be one, and reduces the torque error."""
         away = abs(self.value - CALIBRATION[self.kind].neutral)
         small = {"zero": away <= MAX_ZERO, "scale": 1.0 / MAX_SCALE <= self.value <= MAX_SCALE}.get(self.kind, True)
-        return away > MIN_Z_SCORE * self.error and small and self.after < self.before
+        return away > MIN_Z_SCORE * self.error and small and self.after < min(self.before, MAX_CALIBRATED_ERROR)
 
 
 def correct_calibration(log: Log, values: Mapping[str, float]) -> Log:

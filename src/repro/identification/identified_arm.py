@@ -74,4 +74,4 @@ class IdentifiedArm:
             before, ddq = ddq, np.linalg.solve(mass + factor[:, None] * load_mass, rest - factor * still)
             if np.array_equal(before, ddq):
                 break
-        return ddq
+        return np.asarray(ddq, dtype=np.float64)

@@ -101,7 +101,7 @@ def integrate(
     friction_steepness: float,
     accelerate: Acceleration | None = None,
 ) -> tuple[Array, Array]:
-    """Integrate an acceleration, by default that of Eq. 1, from a state (2,), under a torque (2, N) at instants (N,)."""
+    """Integrate an acceleration, by default that of Eq. 1, from a state (2,) under a torque (2, N) at times (N,)."""
     t, (tau,) = np.asarray(t, dtype=np.float64), check_motion(tau)
     x, v = (np.asarray(state, dtype=np.float64) for state in (q0, dq0))
     if t.shape != tau.shape[1:] or x.shape != (2,) or v.shape != (2,):

@@ -3,8 +3,9 @@
 Small errors of zero, offset and scale are estimated in `repro.identification`.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -25,6 +26,10 @@ _MAX_GOOD_ERROR = 0.1
 _MAX_SAME_RATIO, _MIN_NOTICEABLE_SHARE = 1.0 + 1e-6, 0.15
 _MAX_EQUAL_RATIO = 1.1  # ratio of such products up to which two conventions fit equally well
 _MAX_RESIDUAL = 0.6  # residual above which a fit explains nothing
+#: Two changes are tried where one leaves more than this residual, or a term of an impossible sign; they must leave less
+#: than the second fraction of the product of both joints' squared errors, as there are hundreds of pairs.
+_MAX_RESIDUAL_OF_ONE, _MAX_PAIR_RATIO = 0.25, 0.1
+_PAIR_STEP = 4  # a pair is fitted to every fourth sample
 _MAX_UNEXPLAINED = 0.5  # fraction of a joint's squared torque that a fit may leave and still explain the joint
 #: Fits, each with the joints weighted by the errors of the one before: the last has nearly the smallest product.
 _FITS = 4
@@ -45,6 +50,7 @@ class Convention:
     position: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)  # a matrix (2, 2) by rows, of recorded angles
     torque: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 1.0)
     offset: tuple[float, float] = (0.0, 0.0)  # of the angles of Eq. 1, rad
+    parts: tuple["Convention", ...] = ()  # the two changes that it combines
 
 
 _SWAP: Final = (0.0, 1.0, 1.0, 0.0)
@@ -59,6 +65,11 @@ CONVENTIONS: Final = (
     Convention("the torques of the other sign", "torque_sign: [-1, -1]", torque=(-1.0, 0.0, 0.0, -1.0)),
     Convention("the torque of joint 1 of the other sign", "torque_sign: [-1, 1]", torque=(-1.0, 0.0, 0.0, 1.0)),
     Convention("the torque of joint 2 of the other sign", "torque_sign: [1, -1]", torque=(1.0, 0.0, 0.0, -1.0)),
+    Convention(
+        "the drive of joint 2 in the base, as with a belt or a parallel linkage",
+        "add the torque of joint 2 to that of joint 1 in the log",
+        torque=(1.0, 1.0, 0.0, 1.0),
+    ),
     Convention("joint 2 of the other sign", "sign: [1, -1]", (1.0, 0.0, 0.0, -1.0), (1.0, 0.0, 0.0, -1.0)),
     Convention("q1 alone of the other sign", "sign: [-1, 1] and torque_sign: [-1, 1]", (-1.0, 0.0, 0.0, 1.0)),
     Convention("q2 alone of the other sign", "sign: [1, -1] and torque_sign: [1, -1]", (1.0, 0.0, 0.0, -1.0)),
@@ -79,6 +90,37 @@ CONVENTIONS: Final = (
         for remedy in (f"multiply counts_per_turn in the arm file by [{1.0 / x:g}, {1.0 / y:g}]",)
     ),
 )
+
+
+def _stage(convention: Convention) -> int:
+    """Order in which two changes of a log apply, as in the arm file: units and columns, zeros, then signs."""
+    magnitudes = np.abs(convention.position)
+    return (
+        1
+        if any(convention.offset)
+        else 0
+        if convention.position == _SWAP or not np.isin(magnitudes, (0, 1)).all()
+        else 2
+    )
+
+
+def _both(first: Convention, second: Convention) -> Convention:
+    """Combine two conventions, the second of what the first gives."""
+    position, torque = (
+        tuple((np.reshape(b, (2, 2)) @ np.reshape(a, (2, 2))).ravel().tolist())
+        for a, b in ((first.position, second.position), (first.torque, second.torque))
+    )
+    offset = np.reshape(second.position, (2, 2)) @ first.offset + second.offset
+    return Convention(f"{first.name} and {second.name}", "", position, torque, tuple(offset.tolist()), (first, second))
+
+
+def _pairs(conventions: Sequence[Convention]) -> Iterator[Convention]:
+    """Combine two changes of different columns or kinds; what undoes itself is left out."""
+    for pair in combinations(conventions, 2):
+        combined = _both(*sorted(pair, key=_stage))
+        single = [(c.position, c.torque, c.offset) for c in (_AS_GIVEN, *conventions)]
+        if (combined.position, combined.torque, combined.offset) not in single and not all(any(c.offset) for c in pair):
+            yield combined
 
 
 @dataclass(frozen=True)
@@ -140,9 +182,14 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
     others = [convention for convention in CONVENTIONS if convention.remedy != in_force]
     fits = [(_fit(s, convention, arm.second_joint_absolute), convention) for convention in others]
     least = min((fit for fit, _ in fits), key=lambda fit: fit.ratio(given))
+    better = None
     if least.ratio(given) < _MAX_ERROR_RATIO and least.error.min() < _MAX_GOOD_ERROR:
         equal = [pair for pair in fits if pair[0].ratio(least) < _MAX_EQUAL_RATIO]
-        best, convention = min(equal, key=lambda pair: pair[0].n_impossible)
+        better = min(equal, key=lambda pair: pair[0].n_impossible)
+    if not noisy:
+        better = _best_pair(s, others, given if better is None else better[0], arm) or better
+    if better is not None:
+        best, convention = better
         reason = f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %"
         yield _advice(convention, reason, log, arm)
     elif noisy:
@@ -155,6 +202,20 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
         same = [(fit, c) for fit, c in fits if 1.0 / _MAX_SAME_RATIO < fit.ratio(given) < _MAX_SAME_RATIO]
         for convention in [convention for fit, convention in same if fit.n_impossible == 0][:1]:
             yield _advice(convention, "as given, inertia, gravity or friction come out negative", log, arm)
+
+
+def _best_pair(s: Smoothed, others: Sequence[Convention], one: _Fit, arm: Arm) -> tuple[_Fit, Convention] | None:
+    """Find two changes that explain both joints, far better than one change or without its impossible signs."""
+    if one.residual <= _MAX_RESIDUAL_OF_ONE and not one.n_impossible:
+        return None
+    coarse = replace(s, chosen=s.chosen[::_PAIR_STEP])
+    pairs = [(_fit(coarse, pair, arm.second_joint_absolute), pair) for pair in _pairs(others)]
+    least = min((fit for fit, _ in pairs), key=lambda fit: fit.ratio(one))
+    _, pair = min((p for p in pairs if p[0].ratio(least) < _MAX_EQUAL_RATIO), key=lambda p: p[0].n_impossible)
+    fit = _fit(s, pair, arm.second_joint_absolute)
+    possible = one.n_impossible > 0 == fit.n_impossible and fit.ratio(one) < _MAX_EQUAL_RATIO
+    better = possible or fit.ratio(one) < _MAX_PAIR_RATIO
+    return (fit, pair) if better and fit.error.max() < _MAX_GOOD_ERROR else None
 
 
 def late_torque(s: Smoothed, delay: float) -> Iterator[str]:
@@ -179,7 +240,15 @@ def late_torque(s: Smoothed, delay: float) -> Iterator[str]:
 
 
 def _advice(convention: Convention, reason: str, log: Log, arm: Arm) -> str:
+    steps = "; ".join(_step(part, log, arm) for part in convention.parts or (convention,))
+    return f"{READS_BETTER} {convention.name} ({reason}): if so, first of all {steps}"
+
+
+def _step(convention: Convention, log: Log, arm: Arm) -> str:
+    """Write what to do about one change of how the log is read."""
     remedy = convention.remedy
+    if remedy.startswith("add"):
+        return remedy
     if remedy.startswith("multiply"):
         if arm.counts_per_turn is None:
             first, *_, second = convention.position
@@ -191,7 +260,7 @@ def _advice(convention: Convention, reason: str, log: Log, arm: Arm) -> str:
     elif remedy.startswith(("sign", "torque_sign", "zero")):
         remedy = f"{_zero(convention, arm) if remedy == 'zero' else remedy} (on top of what is there)"
     step = "" if convention.remedy.startswith("multiply") else "write into the arm file: "
-    return f"{READS_BETTER} {convention.name} ({reason}): if so, first of all {step}{remedy}"
+    return f"{step}{remedy}"
 
 
 def _zero(convention: Convention, arm: Arm) -> str:
