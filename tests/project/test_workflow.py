@@ -24,7 +24,7 @@ from snakemake.cli import main
 
 from repro.exhibits import catalogue
 from repro.paper.ledger import compute
-from repro.paper.our_values import Results
+from repro.paper.our_results import Results
 from repro.paper.published import load_published
 from repro.signals.programs import PROGRAMS
 from repro_studies.factorial import CELLS

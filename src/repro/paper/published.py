@@ -8,8 +8,7 @@ states it. Comparisons of Section V-C in words are ratios above or below 1. Left
 1, and Table 8's PWM frequency of joint 2, unreadable in the text we have.
 
 Percentages stay in percent, every number keeps its unit and its trailing zeros, which show how finely it is known:
-``500e3`` is "500 thousand". Fields that do not apply are empty. The columns ``ours`` and ``note`` declare where our
-value comes from (`repro.paper.our_values`).
+``500e3`` is "500 thousand". Fields that do not apply are empty. Our values are those of `repro.paper.our_values`.
 """
 
 import ast
@@ -65,8 +64,6 @@ class PublishedValue:
     printed: str  # the number, with the digits printed
     text: str  # the print itself where it is not that number: ``half-million``, ``three``; else empty
     kind: str  # one of `KINDS`
-    ours: str = ""  # where our value comes from (`repro.paper.our_values`)
-    note: str = ""  # what a reader of the comparison should know
 
     def __str__(self) -> str:
         """The number as it is printed."""
