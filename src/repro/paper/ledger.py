@@ -113,7 +113,8 @@ def write_sources(path: Path, files: Iterable[Path], folders: Iterable[Path], ro
 
     For ``sha256sum --check`` the first lines are comments: the check sum of all others, then the folders.
     """
-    whole = sorted(folder.as_posix() for folder in folders)
+    folders = set(folders)
+    whole = sorted(folder.as_posix() for folder in folders if folders.isdisjoint(folder.parents))
     lines = [f"{_WHOLE}{folder}\n" for folder in whole]
     inside = {name for folder in whole for name in _files_in(folder, root / folder, path)}
     # Relative to the project's folder, if they are in there.

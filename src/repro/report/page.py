@@ -35,7 +35,7 @@ class ReportInputs:
 
     results: Path  # folder with ``claims.csv``, ``tables/`` and ``figures/`` (the numbers drawn)
     figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
-    captures: Path | None  # ``SHA256SUMS`` of the stored captures, if the results are from such
+    captures: Sequence[Path]  # files of the stored captures, if the results are from such
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
     provenance: Mapping[str, str]  # commit, packages and the like; empty if nobody recorded them
     notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
@@ -240,26 +240,15 @@ def build_report(inputs: ReportInputs) -> str:
         tables=[show(exhibit, inputs) for exhibit in TABLES],
         figures=[show(exhibit, inputs) for exhibit in FIGURES],
         targets=TARGETS,
-        captures=_captures(inputs),
+        captures=[
+            (path.name, hashlib.sha256(read_bytes(path, "a stored capture")).hexdigest()) for path in inputs.captures
+        ],
     )
     size = len(text.encode())
     if size > LARGEST_REPORT:
         expected = f"{LARGEST_REPORT / 1e6:g} MB at most; the figures are what fills it"
         raise InputError.at(str(inputs.page), f"{size / 1e6:.1f} MB", expected)
     return text
-
-
-def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
-    """Name and SHA-256 of every stored capture."""
-    if inputs.captures is None:
-        return []
-    hashes, sums = [], read_bytes(inputs.captures, "SHA-256 sums").decode("utf-8", "replace")
-    for number, line in enumerate(sums.splitlines(), start=1):
-        digest, _, name = line.partition("  ")
-        if len(digest) != 64 or not name:
-            raise InputError.at(f"{inputs.captures}: line {number}", repr(line), "a SHA-256, two blanks and a name")
-        hashes.append((name, digest))
-    return hashes
 
 
 def make_report(
@@ -280,5 +269,5 @@ def make_report(
     if is_stored:
         notice = f"{notice} {stored.capitalize()}.".strip()
     folders = (Path(config.results), Path(config.figures))
-    inputs = ReportInputs(*folders, next(iter(captures), None), digest, provenance, notice)
+    inputs = ReportInputs(*folders, sorted(captures), digest, provenance, notice)
     write_text(inputs.page, build_report(inputs))
