@@ -100,7 +100,7 @@ def refresh_board() -> None:
 def refresh_ledger() -> None:
     """Compute the ledger of the reference, and the check sums of everything that is kept."""
     config = load_config(CONFIG)
-    write_ledger(REFERENCE, config, [], folders=[REFERENCE, Path(config.training.networks)])
+    write_ledger(REFERENCE, config, [], folders=[REFERENCE, Path("data")])
 
 
 if __name__ == "__main__":

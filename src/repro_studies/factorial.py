@@ -105,9 +105,9 @@ def interval(values: Array) -> tuple[float, float, float]:
     if not variance > 0:
         return mean, mean, mean
     degrees = variance**2 / sum(part**2 / f for part, f in zip(parts, freedom, strict=True))
-    from scipy.stats import t as student  # noqa: PLC0415 (a quarter of a second, in each job that reads the workflow)
+    from scipy import stats  # noqa: PLC0415 (a quarter of a second, in each job that reads the workflow)
 
-    half = float(student.ppf(0.975, degrees) * np.sqrt(variance))
+    half = float(stats.t.ppf(0.975, degrees) * np.sqrt(variance))
     return mean, mean - half, mean + half
 
 

@@ -1,6 +1,5 @@
 """The captures in the repository: whole, and marked as simulated."""
 
-import hashlib
 import json
 
 import pytest
@@ -9,12 +8,6 @@ from experiment_example import CAPTURES, MOTIONS
 from repro.board.capture import read_capture, verify_control
 
 pytestmark = pytest.mark.slow
-
-
-def test_every_file_has_its_listed_checksum():
-    listed = dict(line.split("  ")[::-1] for line in (CAPTURES / "SHA256SUMS").read_text().splitlines())
-    assert sorted(listed) == sorted(f"{m}.{end}" for m in MOTIONS for end in ("bin", "program", "json"))
-    assert listed == {name: hashlib.sha256((CAPTURES / name).read_bytes()).hexdigest() for name in listed}
 
 
 @pytest.mark.parametrize("motion", MOTIONS)

@@ -1,6 +1,5 @@
 """A small project with made-up results: everything that a ledger is made from, in a folder of its own."""
 
-import hashlib
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -102,8 +101,6 @@ def make_project(root):
     captures.mkdir(parents=True)
     (captures / "ID.bin").write_bytes(bytes(range(64)))
     (captures / "ID.json").write_text('{"motion": "ID"}', encoding="utf-8")
-    sums = (f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted(captures.iterdir()))
-    (captures / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
     shutil.copy(PUBLISHED_FILE, root / "published.csv")
     results = root / "results"
     write_results(results)

@@ -43,7 +43,7 @@ def make_example(folder):
             image.save(figures / f"{exhibit.name}.png")
             (figures / f"{exhibit.name}.pdf").write_bytes(b"%PDF-1.4 example\n")
             write_csv(results / "figures" / f"{exhibit.name}.csv", pd.DataFrame({"x": [0.0], "y": [1.0]}))
-    captures = folder / "SHA256SUMS"
-    captures.write_text(f"{hashlib.sha256(b'run').hexdigest()}  ID.bin\n", encoding="utf-8")
+    capture = folder / "ID.bin"
+    capture.write_bytes(b"run")
     provenance = {"commit": "0123abc", "packages.numpy": "2.4.6"}
-    return ReportInputs(results, figures, captures, hashlib.sha256(b"config").hexdigest(), provenance)
+    return ReportInputs(results, figures, [capture], hashlib.sha256(b"config").hexdigest(), provenance)

@@ -10,7 +10,7 @@ from literal import ARMS
 
 from repro.files import read_rows
 from repro.paper import audit as audit_module
-from repro.paper.audit import CHECKS, audit, findings
+from repro.paper.audit import CHECKS, findings, findings_table
 from repro.paper.finding import FINDINGS_FILE, VERDICTS, Check, read_checks
 from repro.paper.published import load_published
 
@@ -32,7 +32,7 @@ def before():
 
 @pytest.fixture(scope="module")
 def table():
-    return audit().set_index("id")
+    return findings_table().set_index("id")
 
 
 def test_table_is_tidy_and_each_check_has_a_row(table):

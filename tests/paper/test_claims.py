@@ -17,7 +17,7 @@ from repro.paper import claims as claims_module
 from repro.paper.audit import findings
 from repro.paper.claims import Basis, OurValue, broken, causes, higher, judge, judge_all, lower, specificity
 from repro.paper.ledger import ASSERTED, compute, refuted_number
-from repro.paper.our_values import FILES, Results, values_of
+from repro.paper.our_results import FILES, Results, estimates_of_test_arm
 from repro.paper.published import PublishedValue, load_published
 
 pytestmark = pytest.mark.slow
@@ -296,25 +296,25 @@ def test_a_missing_result_is_named(stored, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "old", "new", "number", "named"),
+    ("name", "old", "new", "named"),
     [
-        ("table10", "T4,algorithm1,2", "T5,algorithm1,2", "table10/T4/algorithm1/total/joint2", "case T4, .*, joint 2"),
-        ("table07", "N1,algorithm1,1,0.975", "N1,algorithm1,1,", "table07/N1/time/joint1", "time of case N1.* nothing"),
-        ("table07", "N3,algorithm1,2,0.975", "N3,algorithm1,2,n/a", "table07/N3/time/joint2", "time of case N3.* n/a"),
-        ("stability", "appendix,Rate", "appendix,Race", "appendix/r1_min", "quantity Rate"),
-        ("table09", "least-squares,b2", "least-squares,b3", "section5c/viscous-over-algorithm1", "parameter b2"),
-        ("table04", "estimate,", "estimation,", "table04/N1/algorithm1/I1", "no column estimate"),
+        ("table10", "T4,algorithm1,2", "T5,algorithm1,2", "case T4, .*, joint 2"),
+        ("table07", "N1,algorithm1,1,0.975", "N1,algorithm1,1,", "time of case N1.* nothing"),
+        ("table07", "N3,algorithm1,2,0.975", "N3,algorithm1,2,n/a", "time of case N3.* n/a"),
+        ("stability", "appendix,Rate", "appendix,Race", "quantity Rate"),
+        ("table09", "least-squares,b2", "least-squares,b3", "parameter b2"),
+        ("table04", "estimate,", "estimation,", "no column estimate"),
     ],
 )
-def test_a_damaged_table_is_named(stored, tmp_path, name, old, new, number, named):
+def test_a_damaged_table_is_named(stored, tmp_path, name, old, new, named):
     file = shutil.copytree(stored, tmp_path / "results") / f"tables/{name}.csv"
     text = file.read_text()
     assert old in text
     file.write_text(text.replace(old, new, 1), encoding="utf-8")
-    line = refused(lambda: values_of(PUBLISHED[number], PUBLISHED, SETTINGS, {}, Results(tmp_path / "results")))
+    line = refused(lambda: compute(PUBLISHED, SETTINGS, Results(tmp_path / "results")))
     assert str(file) in line and re.search(named, line)
 
 
 def test_a_parameter_has_the_seeds_of_its_arm_and_not_twice_for_its_joints(stored):
-    (number,) = (number for number in PUBLISHED if number.id == "table04/N1/algorithm1/I1")
-    assert values_of(number, PUBLISHED, SETTINGS, {}, Results(stored))[""].seeds == len(SEEDS)
+    values = estimates_of_test_arm("table04", "N1", PUBLISHED, Results(stored))
+    assert values["table04/N1/algorithm1/I1"].seeds == len(SEEDS)

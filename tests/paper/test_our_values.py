@@ -1,77 +1,106 @@
-"""Where our value of a published number comes from: the grammar of the column ``ours``."""
+"""Our values of the published numbers: each has one, from the function of its place, and names where it is from."""
 
 import importlib.util
-import math
 from dataclasses import replace
 
 import pytest
-from experiment_example import changed, full_config
+from claims_example import CONFIG, write_results
+from experiment_example import changed, refused
 
-from repro.paper.our_values import RESULT_SOURCES, training_note, values_of
-from repro.paper.published import Published, evaluate, load_published
+from repro.config.check import load_config
+from repro.paper import our_values
+from repro.paper.audit import findings
+from repro.paper.ledger import compute
+from repro.paper.our_results import Results, training_note
+from repro.paper.our_settings import arithmetic, constant, literal, of_paper_recipe, setting
+from repro.paper.published import Published, load_published
+from repro.signals import trajectories
 
-NAMES = {"arm": {"lengths": [0.2, 0.1], "a-b": {"c": 7}}}
-CONFIG = changed(full_config(), training={"paper": {"images": 40}}, arm={"link_lengths_m": (0.2, 0.1)})
-NUMBER = load_published()["section3/joints"]
+PUBLISHED, SETTINGS = load_published(), load_config(CONFIG)
+OWN = {number.id for number in PUBLISHED if number.kind != "other-work"}
 
 
-def value_of(ours, note=""):
-    number = replace(NUMBER, ours=ours, note=note)
-    return values_of(number, Published((number,)), CONFIG, {"check": 2.5}, None)[""]
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    write_results(folder)
+    return Results(folder)
+
+
+@pytest.fixture(scope="module")
+def values(results):
+    found = {finding.id: finding.found for finding in findings(PUBLISHED)}
+    return our_values.our_values(PUBLISHED, SETTINGS, found, results)
+
+
+def test_every_number_of_the_papers_own_has_a_value_from_the_function_of_its_place(values):
+    numbers = {name.partition("@")[0] for name in values}
+    assert numbers == OWN
+    assert all(callable(getattr(our_values, name.partition("/")[0])) for name in OWN)
+
+
+def test_the_table_of_a_number_is_computed_by_the_function_of_its_name(values, results):
+    table = our_values.table10(results)
+    assert table == {name: values[name] for name in values if name.startswith("table10/")}
+    cell = table["table10/ID/algorithm1/total/joint1"]
+    assert (cell.value, cell.seeds) == (pytest.approx(97.5), 3)
+    assert table["table10/T3/algorithm1/total/joint2@refinement"].value == pytest.approx(99.0)
+    assert "table10/T3/algorithm1/time/joint2@refinement" not in table
 
 
 @pytest.mark.parametrize(
-    ("expression", "value"),
+    ("number", "section", "change", "value"),
     [
-        ("arm.lengths[1]*1e3", 100.0),
-        ("len(arm.lengths) - 2**3/4", 0.0),
-        ("-sum(arm.lengths)", -0.30000000000000004),
-        ("arm['a-b'].c", 7),
-        ("(255 >> 4).bit_count()", 4),
-        ("round(2.6)", 3),
+        ("section3/tip-speed", "board", {"speed_limit_rad_s": 6.0}, 6.0 * 0.315),
+        ("section4a/band-high", "signals", {"image_samples": 201}, 200 / (2 * 0.0025 * 3770)),
+        ("section4b/test-images", "training", {"paper": {"images": 50}}, 10.0),
+        ("section4b/iterations", "networks", {"paper-recipe": {"training": {"steps": 7}}}, 7.0),
+        ("table05/N3/true/g2", "numeric", {"arms": {"N3": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]}}, 5.0),
+        ("table08/kv/joint2", "board", {"kv_nm_per_rad": [1270.7266, 90.0]}, 90.0),
+        ("section6/T1/range-low", "experiment", {"t1": {"range_rad": 1.3}}, -1.3),
     ],
 )
-def test_expressions_are_arithmetic_on_names(expression, value):
-    assert evaluate(expression, NAMES) == value
+def test_a_value_follows_the_configuration(results, number, section, change, value):
+    config = changed(SETTINGS, **{section: change})
+    row = compute(PUBLISHED, config, results).set_index("id").loc[number]
+    assert row["ours"] == pytest.approx(value, rel=1e-12)
+
+
+def test_keys_and_modules_that_notes_name_exist(values):
+    keys = {v.note.partition(": ")[2].partition(",")[0] for v in values.values() if v.note.startswith("config/config")}
+    assert len(keys) >= 30
+    for key in keys:
+        section = SETTINGS
+        for name in key.replace("-", "_").split("."):
+            section = section[name] if isinstance(section, dict) else getattr(section, name)
+    modules = {v.note.rpartition("; ")[2] for v in values.values() if v.note.rpartition("; ")[2].startswith("repro.")}
+    assert len(modules) > 8
+    assert all(importlib.util.find_spec(name) for name in modules)
 
 
 @pytest.mark.parametrize(
-    ("ours", "note", "value", "shown"),
+    ("ours", "value", "note"),
     [
-        ("config:arm.link_lengths_m[0]", "more", 0.2, "config/config.yaml: arm.link_lengths_m, more"),
-        ("config:len(networks['paper-recipe'])", "", 2.0, "config/config.yaml: networks.paper-recipe"),
-        ("schedule:training.paper.images", "paper's", 40.0, "config/config.yaml: training.paper.images, paper's"),
-        ("const:board.frames:PWM_LIMIT", "counts", 1023.0, "counts; repro.board.frames"),
-        ("arithmetic:audit['check']/2", "{audit['check']:.3f} / {printed['section3/joints']}", 1.25, "2.500 / 2"),
-        ("bench", "a clock", pytest.approx(math.nan, nan_ok=True), "a clock"),
+        (setting("arm.link_lengths_m", 0.2, "more"), 0.2, "config/config.yaml: arm.link_lengths_m, more"),
+        (setting("arm.link_lengths_m", 2), 2.0, "config/config.yaml: arm.link_lengths_m"),
+        (constant(trajectories, 3, "counts"), 3.0, "counts; repro.signals.trajectories"),
+        (constant(trajectories, 3), 3.0, "repro.signals.trajectories"),
+        (arithmetic(1.25, "2.5 / 2"), 1.25, "2.5 / 2"),
     ],
 )
-def test_each_source_has_its_value_and_note(ours, note, value, shown):
-    found = value_of(ours, note)
-    assert (found.value, found.note) == (value, shown)
-    assert found.unused == ours.startswith("schedule")
+def test_each_source_has_its_value_and_note(ours, value, note):
+    assert (ours.value, ours.note, ours.unused, ours.literal) == (value, note, False, False)
+    assert literal(ours).literal
 
 
-@pytest.mark.parametrize(
-    "ours",
-    [
-        "config:arm.nothing", "config:arm.link_lengths_m[9]", "const:no.module:X", "const:board.frames:__name__",
-        "const:board.frames:PWM_LIMIT.__class__", "config:[1][0]", "config:open('x')", "config:1 +"
-    ]
-)  # fmt: skip
-def test_what_is_no_arithmetic_on_known_names_is_refused(ours):
-    with pytest.raises(ValueError, match="section3/joints: ours"):
-        value_of(ours)
+def test_only_the_papers_own_training_uses_its_settings():
+    own, papers = SETTINGS, changed(SETTINGS, training={"recipe": "paper"})
+    assert [of_paper_recipe(config, "training.paper.images", 1).unused for config in (own, papers)] == [True, False]
 
 
-def test_every_number_of_the_papers_own_has_a_source_that_exists():
-    for number in load_published():
-        source, _, rest = number.ours.partition(":")
-        assert bool(source) == (number.kind != "other-work"), number.id
-        if source == "const":
-            assert importlib.util.find_spec("repro." + rest.partition(":")[0]), number.id
-        if source == "result":
-            assert rest.partition(":")[0] in RESULT_SOURCES, number.id
+def test_a_number_without_a_value_of_ours_is_named(results):
+    more = replace(PUBLISHED["section3/joints"], id="section3/fingers")
+    assert "'section3/fingers'" in refused(compute, Published((*PUBLISHED, more)), SETTINGS, results)
 
 
 @pytest.mark.parametrize(
@@ -84,4 +113,4 @@ def test_every_number_of_the_papers_own_has_a_source_that_exists():
     ],
 )
 def test_a_note_says_what_of_the_training_is_ours(prior, recipe, note):
-    assert training_note(changed(CONFIG, data={"prior": prior}, training={"recipe": recipe})) == note
+    assert training_note(changed(SETTINGS, data={"prior": prior}, training={"recipe": recipe})) == note

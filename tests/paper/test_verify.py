@@ -182,7 +182,7 @@ def test_a_claim_that_fails_under_an_overlay_ends_a_run_only_if_enforced(project
     overlay.write_text("results: other\nboard:\n  kp_nm_per_rad: [180.4817, 30.0]\n", encoding="utf-8")
     shutil.copytree("results", "other", ignore=shutil.ignore_patterns("config.yaml"))
     config = load_config(Path("config/config.yaml"), overlay)
-    sources = ["data/captures/SHA256SUMS", "other/model/training.csv", "other/tables/table10.csv"]
+    sources = ["data/captures/ID.bin", "other/model/training.csv", "other/tables/table10.csv"]
     for source, read in (("simulated", []), ("stored", ["data/captures"])):
         own = changed(config, {"experiment": {"source": source}})
         write_ledger(Path("other"), own, [Path(name) for name in sources])

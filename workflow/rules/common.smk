@@ -162,11 +162,11 @@ def identifications(suffixes):
 NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
 
 
-def present_files(motion):
-    """Files of a stored capture, or the check sums of all; one that is missing ends the run with one line."""
-    files = capture_files(SETTINGS, motion)
+def present_files(*motions):
+    """Files of stored captures; one that is missing ends the run with one line."""
+    files = [file for motion in motions for file in capture_files(SETTINGS, motion)]
     if not all(map(os.path.isfile, files)):
-        accept_config(config, CONFIG_FILES, [motion])
+        accept_config(config, CONFIG_FILES, motions)
     return files
 
 
@@ -187,7 +187,7 @@ def experiment_identifications(suffix=""):
 
 # What the ledger and its tables are made from: changed afterwards, its verification fails.
 LEDGER_SOURCES = {
-    "captures": lambda wildcards: present_files(SUMS),
+    "captures": lambda wildcards: present_files(*PROGRAMS),
     "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
     "training": f"{R}/model/training.csv",
     "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],

@@ -7,7 +7,7 @@ rule report:
         tables=expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
         figures=expand(f"{F}/{{figure}}.{{ext}}", figure=ALL_FIGURES, ext=["png", "pdf"]),
         numbers=expand(f"{R}/figures/{{figure}}.csv", figure=ALL_FIGURES),
-        captures=lambda wildcards: present_files(SUMS),
+        captures=lambda wildcards: present_files(*PROGRAMS),
         templates=sorted(str(file) for file in TEMPLATES.glob("*.*") if file.suffix in (".html", ".css", ".js")),
     output:
         f"{R}/report/index.html",

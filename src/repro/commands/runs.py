@@ -15,11 +15,11 @@ def check_arguments(parser: argparse.ArgumentParser) -> None:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a configuration of the workflow, as a run does before any work."""
-    from repro.config.check import SUMS, load_config
+    from repro.config.check import load_config
     from repro.experiments.stored_networks import check_stored
     from repro.signals.programs import PROGRAMS
 
-    check_stored(load_config(arguments.config, *arguments.overlays, inputs=True, motions=(*PROGRAMS, SUMS)))
+    check_stored(load_config(arguments.config, *arguments.overlays, inputs=True, motions=PROGRAMS))
     print(f"{', '.join(map(str, (arguments.config, *arguments.overlays)))}: valid")
     return 0
 

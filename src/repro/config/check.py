@@ -24,8 +24,6 @@ CONFIGURATION = "a configuration file"
 
 #: Folders of the project that no run may write to; those that begin with a point belong to tools.
 _OWN = {"benchmarks", "build", "config", "data", "docs", "envs", "profiles", "src", "tests", "workflow"}
-#: Check sums of the stored captures, which the ledger is made from.
-SUMS = "SHA256SUMS"
 #: Largest number that the board's memory holds.
 LARGEST = float(np.finfo(np.float32).max)
 
@@ -129,10 +127,9 @@ def _experiment_contradictions(config: Configuration) -> Iterator[tuple[str, str
 
 
 def capture_files(config: Configuration, motion: str) -> list[str]:
-    """Files that a stored capture, or `SUMS`, is read from; a simulated or real board needs none."""
-    experiment = config.experiment
-    names = [SUMS] if motion == SUMS else [f"{motion}.{end}" for end in ("bin", "program", "json")]
-    return [f"{experiment.captures}/{name}" for name in names if experiment.source == "stored"]
+    """Files that a stored capture is read from; a simulated or real board needs none."""
+    stored = config.experiment.source == "stored"
+    return [f"{config.experiment.captures}/{motion}.{end}" for end in ("bin", "program", "json") if stored]
 
 
 def _missing_inputs(config: Configuration, motions: Iterable[str]) -> Iterator[tuple[str, str]]:

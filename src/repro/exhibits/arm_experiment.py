@@ -14,7 +14,7 @@ from repro.drawing.markup import Table, Text, digits, formula, layout, plain, sc
 from repro.drawing.panels import MOTION, TIME, Curve, compare, curves_of, draw_motion, long_table, plot_panel
 from repro.exhibits.declare import ARM, Inputs, figure, table
 from repro.exhibits.result_tables import by_method, heading_of, methods_of, parameter_cells, similarities
-from repro.experiments import arm as experiment
+from repro.experiments.arm import Recording, control_constants, program_settings, read_recordings
 from repro.experiments.identifications import CASE, SCORES, read_identifications, read_scores, tracking
 from repro.experiments.summary import experiment_table, median_seeds, parameter_table
 from repro.model.dynamics import forward_kinematics, rebuild_torque
@@ -73,9 +73,9 @@ def table08(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Constants of the simulated board and similarity of the desired and the simulated position on the identification
     trajectory (Table 8).
     """
-    (recording,) = experiment.read_recordings(inputs["captures"], config)
+    (recording,) = read_recordings(inputs["captures"], config)
     tracked = tracking(recording, config.metric)
-    control, c_f = experiment.control_constants(config), config.signals.filter_coefficient
+    control, c_f = control_constants(config), config.signals.filter_coefficient
     pwm_khz = np.array(control.pwm_hz) / 1e3
     constants = tracked.drop(columns="seed").assign(total_sd=0.0, seeds=1, kp=control.kp, kv=control.kv)
     return constants.assign(pwm_khz=pwm_khz, c_f=c_f)
@@ -158,7 +158,7 @@ def stability(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     return stability_table(estimates, (*SHOWN_ON_ID, "true", "appendix"))
 
 
-def _panel(recording: experiment.Recording, name: str) -> str:
+def _panel(recording: Recording, name: str) -> str:
     """Name of a panel: on a validation motion it begins with the motion."""
     return name if recording.program.name == CASE else f"{recording.program.name} {name}"
 
@@ -166,7 +166,7 @@ def _panel(recording: experiment.Recording, name: str) -> str:
 def _torques(inputs: Inputs, config: Configuration, in_frequency: bool = False) -> Iterator[Curve]:
     """Torques measured and rebuilt from each shown estimate, or their spectra."""
     signals, estimates = config.signals, _estimates(inputs)
-    for recording in experiment.read_recordings(inputs["captures"], config):
+    for recording in read_recordings(inputs["captures"], config):
         f = recording.regression(signals)
         methods = SHOWN_ON_ID if recording.program.name == CASE else SHOWN
         series = {"measured": f.tau} | {method: rebuild_torque(f.y, estimates[method]) for method in methods}
@@ -183,7 +183,7 @@ def _torques(inputs: Inputs, config: Configuration, in_frequency: bool = False) 
 def _motions(inputs: Inputs, config: Configuration) -> Iterator[Curve]:
     """Desired position and the motion reached."""
     signals = config.signals
-    for recording in experiment.read_recordings(inputs["captures"], config):
+    for recording in read_recordings(inputs["captures"], config):
         program, f = recording.program, recording.regression(signals)
         desired = program.q[:, program.n1 : program.n2]
         time: Array = signals.sampling_period_s * np.arange(desired.shape[1], dtype=np.float64)
@@ -244,8 +244,8 @@ def fig20(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 @_figure(f"Paths of the tip in {SPAN}", draw_paths, inputs=("validation",))
 def fig21(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Desired and actual path of the tip on the validation motions of the simulated arm (Fig. 21)."""
-    geometry, parts = experiment.program_settings(config).geometry, []
-    for recording in experiment.read_recordings(inputs["captures"], config):
+    geometry, parts = program_settings(config).geometry, []
+    for recording in read_recordings(inputs["captures"], config):
         for series, q in (("desired", recording.program.q), ("actual", recording.q)):
             tip = forward_kinematics(q, geometry)[1]
             parts.append((recording.program.name, series, tip[0], tip[1]))

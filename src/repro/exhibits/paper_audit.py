@@ -15,7 +15,7 @@ from repro.drawing import style
 from repro.drawing.markup import Table, Text, digits, formula, grid, layout, number, plain, scientific, unit, words
 from repro.exhibits.declare import Inputs, figure, table
 from repro.files import read_csv
-from repro.paper.audit import audit as findings
+from repro.paper.audit import findings_table
 from repro.paper.finding import CONSISTENT, VERDICTS
 from repro.paper.published import load_published
 
@@ -265,4 +265,4 @@ def audit(_: Inputs, __: Configuration) -> pd.DataFrame:
     """Every check of the paper against itself: printed numbers and formulas, each with its arithmetic. Our results play
     no part; where the extraction of the paper's text may be at fault, the note says so.
     """
-    return findings()
+    return findings_table()

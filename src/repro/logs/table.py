@@ -406,13 +406,13 @@ def read_bag(path: Path, topic: str | None) -> Table:
     for file in files:
         check_size(file, MAX_FILE_BYTES, "a file of a ROS 2 bag")
     require("rosbags", "bags", str(path))
-    from apsw import Error as DatabaseError  # noqa: PLC0415  (rosbags reads SQLite and Zstandard by these)
+    import apsw  # noqa: PLC0415  (rosbags reads SQLite and Zstandard by these)
     from backports.zstd import ZstdError  # noqa: PLC0415
     from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415
     from rosbags.rosbag2 import ReaderError  # noqa: PLC0415
     from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
 
-    named = (AnyReaderError, ReaderError, TypesysError, DatabaseError, ZstdError, OSError)
+    named = (AnyReaderError, ReaderError, TypesysError, apsw.Error, ZstdError, OSError)
     # What parsing of damaged bytes raises in Python and in the library's own code.
     damage = (
         *(struct.error, ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError),

@@ -14,6 +14,7 @@ import pandas as pd
 
 from repro.model.parameters import NAMES, STANDARD_GRAVITY, Array, Links, inertial_from_links, is_positive_definite
 from repro.paper import appendix
+from repro.paper.arithmetic_checks import ARITHMETIC
 from repro.paper.finding import CONTRADICTS, QUESTIONABLE, Check, Finding, read_checks
 from repro.paper.metric_search import abstract_check, composition, torque_bounds
 from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, load_published, parameter_id
@@ -209,8 +210,9 @@ def _map_sizes(c: Check) -> Finding:
     return c.compares(size, round(size), whole, tolerance=0.0, chain=chain, inputs=size**2 * c.maps)
 
 
-#: Checks by the id of their row in ``findings.csv``; the other rows have their expressions in the file.
+#: Checks by the id of their row in ``findings.csv``; the other rows are about words or symbols.
 CHECKS: dict[str, Callable[[Check], Finding | list[Finding]]] = {
+    **ARITHMETIC,
     "composition/{table}": _totals_of_table,
     "composition/{total.id}": _wrong_totals,
     "{stated.id}/{formula}": _numeric_statements,
@@ -242,13 +244,13 @@ def findings(published: Published) -> tuple[Finding, ...]:
     """Run every check, in the order of ``findings.csv``."""
     found: list[Finding] = []
     for check in read_checks(published):
-        function = _repeated if check.id.startswith("repeated/") else CHECKS.get(check.id, Check.calculated)
+        function = _repeated if check.id.startswith("repeated/") else CHECKS.get(check.id, Check.in_words)
         result = function(check)
         found += [result] if isinstance(result, Finding) else result
     return tuple(found)
 
 
-def audit() -> pd.DataFrame:
+def findings_table() -> pd.DataFrame:
     """Tabulate every finding, with the ids of its published numbers."""
     found = findings(load_published())
     return pd.DataFrame([{**vars(finding), "numbers": " ".join(finding.numbers)} for finding in found])

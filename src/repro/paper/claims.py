@@ -80,6 +80,7 @@ class OurValue:
     better: Callable[[float, float], bool] | None = None  # of the published and our number, where one can be better
     strict: bool = False  # no tolerance: a setting can be adopted as printed, a limit can be met
     unused: bool = False  # a setting that the default run does not use
+    literal: bool = False  # written in the comparison itself, so that a match asserts nothing
     asserted: str = ""  # verdict that the project asserts; a better number satisfies "reproduced"
     contradicts: str = ""  # why the paper contradicts itself here
     contradiction: float = math.inf  # by how much, in the published unit

@@ -1,24 +1,21 @@
 """Findings of the audit. ``findings.csv`` has their texts, in the order of the table; `Check` computes a row of it.
 
-The columns ``found``, ``relation`` and ``printed`` are a calculation on the row's published numbers, which the column
-``numbers`` names (``name=id``). ``=`` compares to the last digit of the published number with the id of the row, ``==``
-exactly. Other calculations are functions of `repro.paper.audit`.
+The column ``numbers`` names the published numbers of a row (``name=id``). Its calculation is a function of
+`repro.paper.audit`, `repro.paper.arithmetic_checks` or `repro.paper.appendix`.
 
-Texts are templates of the row's numbers, ``found``, ``printed``, names that a function passes, and expressions. The
+Texts are templates of the row's numbers, ``found``, ``printed``, and names that a function passes. The
 column ``verdict`` is that of a check that fails, or of a row without a calculation. If the place is empty, the
 published number with the id of the row gives place and unit.
 """
 
 import math
-import operator
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from string import Formatter
 from typing import Any
 
 from repro.files import read_rows
-from repro.paper.published import Published, PublishedValue, evaluate
+from repro.paper.published import Published, PublishedValue
 
 #: Columns with texts.
 TEXTS = ("id", "place", "what", "arithmetic", "unit", "verdict", "note")
@@ -40,9 +37,6 @@ VERDICTS = {
     QUESTIONABLE: "no contradiction, but a reader should know",
     "cannot be decided": "the part of the paper that would decide it is lost or was not printed",
 }
-
-#: Relations of two numbers that a row can state, besides their equality.
-RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 
 #: Rounding of binary numbers, relative to the tolerance.
 _ROUNDING = 1e-9
@@ -69,17 +63,6 @@ class Finding:
 Uses = Iterable[PublishedValue | str]
 
 
-class _Texts(Formatter):
-    """Templates whose fields are names, or arithmetic on the values of numbers."""
-
-    def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:  # noqa: ANN401
-        """Look a field up, or else evaluate it."""
-        try:
-            return super().get_field(field_name, args, kwargs)
-        except LookupError:
-            return evaluate(field_name, kwargs["values"]), field_name
-
-
 class Check:
     """One row of ``findings.csv`` with its published numbers, whose values are attributes by their names in the row."""
 
@@ -89,7 +72,6 @@ class Check:
         self._row = row
         names = [entry.partition("=") for entry in row["numbers"].split()]
         self.numbers: dict[str, PublishedValue] = {name: published[id_] for name, _, id_ in names}
-        self._values = {"pi": math.pi, **{name: number.value for name, number in self.numbers.items()}}
 
     def __getattr__(self, name: str) -> float:
         """Value of a published number of the row."""
@@ -118,8 +100,8 @@ class Check:
         tolerance: float = math.nan, verdict: str = "", uses: Uses = (), **texts: Any,  # noqa: ANN401
     ) -> Finding:  # fmt: skip
         """Report a calculated number next to a printed one, for example a limit, with the outcome of the check."""
-        named = {"found": found, "printed": printed, "values": self._values, **self.numbers, **texts}
-        text = {name: _Texts().vformat(self._row[name], (), named) for name in TEXTS}
+        named = {"found": found, "printed": printed, **self.numbers, **texts}
+        text = {name: self._row[name].format(**named) for name in TEXTS}
         if not text["place"]:
             subject = self.published[self.id]
             text |= {"place": subject.place, "unit": text["unit"] or subject.unit}
@@ -128,14 +110,13 @@ class Check:
         ids = tuple(number if isinstance(number, str) else number.id for number in (*self.numbers.values(), *uses))
         return Finding(**text, found=found, printed=printed, tolerance=tolerance, numbers=ids)
 
-    def calculated(self) -> Finding:
-        """Evaluate the expressions of the row; one without them is about words or symbols."""
-        sides = (self._row["found"], self._row["printed"])
-        found, printed = (float(evaluate(side, self._values)) if side else math.nan for side in sides)
-        relation = self._row["relation"]
-        if relation in ("=", "=="):
-            return self.equals(found, printed, 0.0 if relation == "==" else None)
-        return self.compares(found, printed, relation != "" and RELATIONS[relation](found, printed))
+    def related(self, found: float, relation: Callable[[float, float], bool], printed: float, **texts: Any) -> Finding:  # noqa: ANN401
+        """Report whether a calculated number is above, or below, a printed one."""
+        return self.compares(found, printed, relation(found, printed), **texts)
+
+    def in_words(self) -> Finding:
+        """Report what is about words or symbols, with the verdict of the row."""
+        return self.compares(math.nan, math.nan, False)
 
 
 def read_checks(published: Published) -> list[Check]:

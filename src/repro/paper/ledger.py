@@ -5,7 +5,6 @@ import hashlib
 import logging
 import math
 import os
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,10 +18,10 @@ from repro.errors import InputError
 from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text
 from repro.paper.audit import findings
 from repro.paper.claims import (
+    EXTENSION,
     LEFT_OUT,
     REPRODUCED,
     SETTING,
-    OurValue,
     broken,
     judge_all,
     markdown,
@@ -30,7 +29,8 @@ from repro.paper.claims import (
     summary,
 )
 from repro.paper.finding import CONTRADICTS, NOT_POSSIBLE, Finding
-from repro.paper.our_values import REFINED, Results, values_of
+from repro.paper.our_results import REFINED, Results, Values
+from repro.paper.our_values import our_values
 from repro.paper.published import PUBLISHED_FILE, Published, load_published
 
 _LOG = logging.getLogger(__name__)
@@ -49,18 +49,24 @@ ASSERTED = ("abstract/numeric/total", f"abstract/numeric/total{REFINED.suffix}")
 _REFUTED = {"appendix/sine": "appendix/domain"}
 
 
-def our_values(published: Published, config: Configuration, results: Results) -> dict[str, OurValue]:
-    """Compute our value of every published number that is the paper's own."""
-    audit = findings(published)
-    found = {finding.id: finding.found for finding in audit}
+def _in_order(published: Published, ours: Values) -> Values:
+    """Our values in the order of the published numbers: each number of the paper's own has one."""
+    order = {number.id: place for place, number in enumerate(published) if number.kind != LEFT_OUT}
+    names = {name: name.partition(EXTENSION)[0] for name in ours}
+    for name in sorted(order.keys() - set(names.values())):
+        raise InputError.at(f"{published.source}: id", repr(name), "a number that repro.paper.our_values computes")
+    return {name: ours[name] for name in sorted(ours, key=lambda name: order[names[name]])}
+
+
+def _audited(published: Published, ours: Values, audit: Sequence[Finding]) -> Values:
+    """Our values with what the audit finds about the published ones, and the verdicts that the project asserts."""
     refuted = {refuted_number(finding): finding for finding in audit}
     impossible = {id_: _sentence(f) for f in audit if f.verdict == NOT_POSSIBLE for id_ in f.numbers}
-    ours: dict[str, OurValue] = {}
+    audited = dict(ours)
     for number in published:
-        if number.kind == LEFT_OUT:
+        value = ours.get(number.id)
+        if value is None:
             continue
-        values = values_of(number, published, config, found, results)
-        value = values[""]
         finding = refuted.get(number.id)
         if finding is not None:
             size = abs(finding.found - finding.printed) / (math.pi if number.unit == "pi rad" else 1.0)
@@ -68,13 +74,13 @@ def our_values(published: Published, config: Configuration, results: Results) ->
             value = replace(value, contradicts=_sentence(finding), contradiction=size)
         elif number.id in impossible:
             value = replace(value, note=f"{value.note}; not possible: {impossible[number.id]}")
-        literal = re.search(r"[A-Za-z_]", number.ours.rpartition(":")[2]) is None  # no value of ours is in it
-        if number.kind in ASSERTED_KINDS and not (math.isnan(value.value) or finding or value.unused or literal):
+        compared = not (math.isnan(value.value) or finding or value.unused or value.literal)
+        if number.kind in ASSERTED_KINDS and compared:
             value = replace(value, asserted=REPRODUCED)
-        ours |= {number.id + suffix: side for suffix, side in {**values, "": value}.items()}
+        audited[number.id] = value
     for name in ASSERTED:
-        ours[name] = replace(ours[name], asserted=REPRODUCED)
-    return ours
+        audited[name] = replace(audited[name], asserted=REPRODUCED)
+    return audited
 
 
 def refuted_number(finding: Finding) -> str:
@@ -91,7 +97,9 @@ def _sentence(finding: Finding) -> str:
 
 def compute(published: Published, config: Configuration, results: Results) -> pd.DataFrame:
     """Compute the ledger from its sources."""
-    return judge_all(published, our_values(published, config, results))
+    audit = findings(published)
+    ours = our_values(published, config, {finding.id: finding.found for finding in audit}, results)
+    return judge_all(published, _audited(published, _in_order(published, ours), audit))
 
 
 def _digest(path: Path) -> str:
@@ -105,7 +113,8 @@ def write_sources(path: Path, files: Iterable[Path], folders: Iterable[Path], ro
 
     For ``sha256sum --check`` the first lines are comments: the check sum of all others, then the folders.
     """
-    whole = sorted(folder.as_posix() for folder in folders)
+    folders = set(folders)
+    whole = sorted(folder.as_posix() for folder in folders if folders.isdisjoint(folder.parents))
     lines = [f"{_WHOLE}{folder}\n" for folder in whole]
     inside = {name for folder in whole for name in _files_in(folder, root / folder, path)}
     # Relative to the project's folder, if they are in there.

@@ -1,359 +1,445 @@
-"""Our value for each published number, from the columns ``ours`` and ``note`` of ``published.csv``.
+"""Our value of every number that the paper prints as its own, in the order of the paper.
 
-======================= ================================================================================
-``config:EXPR``          keys of the configuration
-``schedule:EXPR``        keys of the paper's training schedule, which the default network does not use
-``const:MODULE:EXPR``    names of a module of this package
-``arithmetic:EXPR``      keys of the configuration, names of `MODULES`, other printed numbers and the audit
-``result:SOURCE``        result files: an entry of `RESULT_SOURCES`
-``bench``                nothing: a property of the authors' arm, board or bench
-======================= ================================================================================
-
-Expressions are those of `repro.paper.published.evaluate`. In a note, ``{EXPR}`` is replaced by its value.
+The place that begins the id of a published number is the name of the function that computes ours: `table10` has
+``table10/ID/algorithm1/total/joint1``. An id with ``@`` compares an extension of ours with the same number.
 """
 
 import math
-import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from pathlib import Path
-from types import ModuleType
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from repro.board import frames
-from repro.cnn import architecture, image, priors
-from repro.cnn.architecture import HISTORY_COLUMNS
-from repro.comparison import LEDGER
+from repro.cnn import architecture, dataset, image, priors
+from repro.cnn.architecture import NetworkSettings
 from repro.config.model import Configuration
-from repro.config.sections import plain
-from repro.errors import InputError
-from repro.experiments.monte_carlo import EQUIVALENT
-from repro.files import read_rows
 from repro.model import dynamics, parameters, stability
 from repro.model.parameters import NAMES
-from repro.paper.claims import DIFFERS, EXTENSION, SETTING, Basis, OurValue, higher, lower
-from repro.paper.published import NUMERIC_CASES, Published, PublishedValue, evaluate
+from repro.paper.claims import Basis
+from repro.paper.our_results import (
+    JOINTS,
+    LEAST_SQUARES,
+    LISTED,
+    ON_PAPERS_ARMS,
+    ON_SIMULATED_ARM,
+    VALIDATION_CASES,
+    Results,
+    Values,
+    board_property,
+    board_size,
+    comparisons_in_words,
+    estimates_of_test_arm,
+    held_out_loss,
+    largest_validation_total,
+    mean_numeric_total,
+    of_appendix_arm,
+    on_papers_arms,
+    on_simulated_arm,
+    smallest_identification_total,
+    training_note,
+    validation_ratio,
+)
+from repro.paper.our_settings import (
+    arithmetic,
+    bench,
+    constant,
+    filter_coefficient,
+    image_samples,
+    joints,
+    literal,
+    numeric_arms,
+    of_paper_recipe,
+    recipe_images,
+    recipe_iterations,
+    sampling_period,
+    setting,
+    true_parameters,
+)
+from repro.paper.published import NUMERIC_CASES, Published
 from repro.signals import programs, trajectories, validation_motions
+from repro.signals.metric import metr2ev
 
-#: Modules by their names in the column.
-MODULES: dict[str, ModuleType] = {
-    module.__name__.removeprefix("repro."): module
-    for module in (
-        architecture, image, priors, frames, dynamics, parameters, stability, programs, trajectories, validation_motions
-    )
-}  # fmt: skip
+QUANTITIES = ("time", "frequency", "total")
 
 
-def _first_key(expression: str) -> str:
-    """Return the first key of the configuration in an expression, without indices of list items."""
-    dotted = re.sub(r"\['([\w-]+)'\]", r".\1", expression)
-    keys: list[str] = re.findall(r"[a-z][\w-]*(?:\.[\w-]+)+", dotted)
-    return next(key for key in keys if key.partition(".")[0] in Configuration.model_fields)
+def our_values(published: Published, config: Configuration, found: Mapping[str, float], results: Results) -> Values:
+    """Compute our values; `found` has what the findings of the audit calculate, by their ids."""
+    return {
+        **abstract(config, results),
+        **section1a(config),
+        **section2(config),
+        **section3(published, config, results),
+        **fig03(),
+        **section4a(config),
+        **eq08(config),
+        **eq09(),
+        **eq10(),
+        **section4b(config),
+        **section4c(config),
+        **algorithm1(config),
+        **section5(config),
+        **eq16(),
+        **section5a(config, results),
+        **section5b(config),
+        **table04(published, config, results),
+        **table05(published, config, results),
+        **table07(config, results),
+        **section5c(config, results),
+        **table08(config, results),
+        **table10(results),
+        **section6(config, results),
+        **section7(config, results),
+        **appendix(found, results),
+    }
 
 
-SCORES = ("case", "method", "seed", "joint", "time", "frequency", "total")
-SIMILARITY = ("case", "method", "joint", "time", "frequency", "total")
-PARAMETERS = ("case", "method", "parameter", "true", "estimate", "estimate_sd")
-
-#: Result files by their path in the results folder, and the columns that each must have.
-FILES: dict[str, tuple[str, ...]] = {
-    **{f"tables/table{number}.csv": PARAMETERS for number in ("04", "05", "09")},
-    **{f"tables/table{number}.csv": SIMILARITY for number in ("06", "07", "08", "10")},
-    "tables/stability.csv": ("method", "quantity", "value", "bound"),
-    "tables/board_size.csv": ("block", "quantity", "least", "most"),
-    "model/training.csv": HISTORY_COLUMNS,
-    "validation/numeric.csv": (*SCORES, "trajectory"),
-    "validation/experiment.csv": SCORES,
-}
-
-#: Scores of every seed behind a table of medians: their file, and the trajectory that the table is about.
-_SEEDS = {
-    **dict.fromkeys(("table04", "table05", "table06"), ("validation/numeric.csv", {"trajectory": "ID"})),
-    "table07": ("validation/numeric.csv", {"trajectory": "validation"}),
-    "table10": ("validation/experiment.csv", {}),
-}
+def abstract(config: Configuration, results: Results) -> Values:
+    """Abstract."""
+    return {
+        "abstract/joints": joints(config),
+        "abstract/numeric-arms": numeric_arms(config),
+        **mean_numeric_total("abstract/numeric/total", config, results),
+        **smallest_identification_total("abstract/experimental/total", results),
+    }
 
 
-class Results:
-    """Numbers of a results folder by what they are."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        # As text, so that a message shows what the file has.
-        self.frames = {
-            name: pd.DataFrame(read_rows(folder / name, names), columns=names) for name, names in FILES.items()
-        }
-
-    def rows(self, name: str, **wanted: object) -> pd.DataFrame:
-        """Rows of a file that have these values: one at least."""
-        frame = self.frames[name]
-        for column, value in wanted.items():
-            frame = frame[frame[column] == str(value)]
-        if frame.empty:
-            raise InputError.at(str(self._folder / name), f"no row of {_words(wanted)}", "one")
-        return frame
-
-    def number(self, name: str, column: str, **wanted: object) -> float:
-        """Cell of the first row that has these values, a finite number."""
-        text = self.rows(name, **wanted)[column].iloc[0]
-        number = pd.to_numeric(text, errors="coerce")
-        if not np.isfinite(number):
-            place = f"{self._folder / name}: {column} of {_words(wanted)}"
-            raise InputError.at(place, text or "nothing", "a finite number")
-        return float(number)
-
-    def totals(self, table: str, quantity: str = "total", **wanted: object) -> pd.Series:
-        """Similarities of every seed behind rows of a table, %, by the seed; none for a table of one run."""
-        if table not in _SEEDS:
-            return pd.Series(dtype=float)
-        name, trajectory = _SEEDS[table]
-        rows = self.rows(name, **wanted, **trajectory)
-        return 100.0 * pd.to_numeric(rows[quantity], errors="coerce").set_axis(rows["seed"])
-
-    def similarity(self, table: str, case: str, method: str, joint: int, quantity: str = "total") -> OurValue:
-        """Similarity of a table, %."""
-        row = {"case": case, "method": method, "joint": joint}
-        value = 100.0 * self.number(f"tables/{table}.csv", quantity, **row)
-        return _similarity_of(value, table, self.totals(table, quantity, **row))
-
-    def mean_total(self, table: str, method: str, cases: tuple[str, ...]) -> OurValue:
-        """Mean of the totals of both joints in some cases, %."""
-        cells = [self.similarity(table, case, method, joint).value for case in cases for joint in (1, 2)]
-        scores = pd.concat([self.totals(table, case=case, method=method) for case in cases])
-        return _similarity_of(float(np.mean(cells)), table, scores.groupby(level=0).mean())
+def section1a(config: Configuration) -> Values:
+    """Section I-A, other works and contributions."""
+    random = sum(motion.random for motion in programs.VALIDATION.values())
+    return {
+        "section1a/joints": joints(config),
+        "section1a/random-trajectories": constant(programs, random, "T1"),
+    }
 
 
-def _similarity_of(value: float, table: str, scores: pd.Series) -> OurValue:
-    # An interval wider than one point of per cent either way compares nothing.
-    ours = OurValue(value, table, equivalent=100.0 * EQUIVALENT, cap=1.0, better=higher)
-    return replace(ours, std=float(scores.std()), seeds=len(scores)) if len(scores) > 1 else ours
+def section2(config: Configuration) -> Values:
+    """Section II, model and controller."""
+    return {"section2/joints": joints(config)}
 
 
-def _words(wanted: Mapping[str, object]) -> str:
-    return ", ".join(f"{column} {value}" for column, value in wanted.items())
+def section3(published: Published, config: Configuration, results: Results) -> Values:
+    """Section III, arm and board."""
+    period, lengths, speed = config.signals.sampling_period_s, config.arm.link_lengths_m, config.board.speed_limit_rad_s
+    torque_bits = frames.TORQUE_BITS[0].bit_count()
+    position_bits = 8 * frames.FRAME_BYTES - frames.FIXED_BITS.bit_count() - 2 * torque_bits  # of both joints
+    gear_ratio = frames.COUNTS_PER_TURN / 64
+    used, available = (published[f"section3/logic-{name}"].value for name in ("used", "available"))
+    design = "a design of ours, synthesised but not placed; other floating-point units and sharing than the authors'"
+    memory = "a design of ours: trajectory, and the last 2048 bytes of the downlink"
+    register = "width in the design in logic"
+    return {
+        "section3/joints": joints(config),
+        "section3/sampling-period": sampling_period(config),
+        "section3/sampling-rate": arithmetic(1 / period, "1 / 2.5 ms"),
+        "section3/position-register": board_property(results, "Decoder", "position_bits", register),
+        "section3/frame": constant(frames, 8 * frames.FRAME_BYTES),
+        "section3/identifier": constant(frames, (frames.FIXED_BITS >> 56).bit_count() / 8),
+        "section3/position-fields": constant(frames, position_bits / 16),
+        "section3/position-bits": constant(frames, position_bits / 2),
+        "section3/torque-bits": constant(frames, torque_bits),
+        "section3/position-low": literal(arithmetic(-(2**15), "-2^15")),
+        "section3/position-high": literal(arithmetic(2**15 - 1, "2^15 - 1")),
+        "section3/position-turns": arithmetic((2**15 - 1) / frames.COUNTS_PER_TURN, "32767 / 8400"),
+        "section3/torque-low": arithmetic(-(2 ** (torque_bits - 1)), "-2^10"),
+        "section3/torque-high": arithmetic(2 ** (torque_bits - 1) - 1, "2^10 - 1"),
+        "section3/torque-unit": arithmetic(100 / frames.PWM_LIMIT, "100 % / 1023"),
+        "section3/motors": setting("board.full_torque_nm", len(config.board.full_torque_nm)),
+        "section3/gear-ratio": constant(frames, gear_ratio, "8400 counts a joint turn, 64 a motor turn"),
+        "section3/motor-torque": bench(),
+        "section3/motor-voltage": bench(),
+        "section3/encoder-step": arithmetic(frames.RADIANS_PER_COUNT, "2 pi / (64 x 131.25)"),
+        "section3/joint-speed": setting("board.speed_limit_rad_s", speed),
+        "section3/tip-speed": setting(
+            "arm.link_lengths_m", sum(lengths) * speed, "their sum times board.speed_limit_rad_s"
+        ),
+        "section3/logic-used": board_size(results, "board", "elements", design),
+        "section3/logic-available": board_property(results, "device", "elements", "data sheet of the device"),
+        "section3/logic-share": arithmetic(100 * used / available, f"{used:g} / {available:g}"),
+        "section3/memory-share": board_size(results, "board (%)", "memory_bits", memory),
+        "section3/clock": bench(),
+    }
 
 
-ALGORITHM, LEAST_SQUARES = "algorithm1", "least-squares"
-VALIDATION_CASES = ("T1", "T2", "T3", "T4")
+def fig03() -> Values:
+    """Fig. 3, the controller."""
+    return {f"fig03/saturation/joint{joint}": constant(frames, frames.PWM_LIMIT) for joint in JOINTS}
 
 
-@dataclass(frozen=True)
-class Variant:
-    """A method of ours that is compared with a published number of Algorithm 1."""
-
-    suffix: str  # of the id in the ledger
-    method: str
-    note: str
-    cause: str  # why it differs on the simulated arm, where it does
-
-
-LISTED = Variant("", ALGORITHM, "", "closed-loop motion")
-REFINED = Variant(f"{EXTENSION}refinement", "algorithm1+refinement", "refinement, an extension of ours", "another arm")
-CLOSED_LOOP = Variant(
-    f"{EXTENSION}tracked", "algorithm1+tracked",
-    "closed-loop training and desired motion in line 18, an extension of ours", "image reader",
-)  # fmt: skip
-LINEAR = Variant("", LEAST_SQUARES, "", "another arm")
-VARIANTS = {"table06": (LISTED, REFINED), "table07": (LISTED, REFINED), "table10": (LISTED, REFINED, CLOSED_LOOP)}
-#: Our values by the suffix of their id: empty, or that of an extension.
-Values = dict[str, OurValue]
-
-
-def training_note(config: Configuration) -> str:
-    """Name what differs from the paper in the network's training; empty if nothing does."""
-    own = {"ranges": config.data.prior != "published", "schedule": config.training.recipe != "paper"}
-    differing = " and ".join(what for what, differs in own.items() if differs)
-    return f"training {differing} of the network: ours" if differing else ""
-
-
-def _score(score: OurValue, variant: Variant, *notes: str) -> OurValue:
-    basis, cause = Basis.NUMERIC, "another network"
-    if score.target == "table10":  # arm and motions are matched to the cells of least squares
-        basis, cause = Basis.CONSTRUCTION if variant.method == LEAST_SQUARES else Basis.ARM, variant.cause
-    return replace(score, basis=basis, cause=cause, note="; ".join(filter(None, (*notes, variant.note))))
+def section4a(config: Configuration) -> Values:
+    """Section IV-A, training images."""
+    channels = NetworkSettings().weights["conv1.weight"][1]
+    signals, samples = config.signals, config.signals.image_samples
+    steps = round(signals.duration_s / signals.sampling_period_s)
+    highest_band = (samples - 1) / (2 * signals.sampling_period_s * steps)
+    lengths, masses, friction = priors.PUBLISHED_LENGTH, priors.PUBLISHED_MASS, priors.PUBLISHED_FRICTION
+    prior = "kept as data.prior: published; the default draws from wider ranges"
+    return {
+        "section4a/joints": joints(config),
+        "section4a/image/rows": image_samples(config),
+        "section4a/image/columns": image_samples(config),
+        "section4a/image/channels": constant(architecture, channels),
+        "section4a/bands": image_samples(config),
+        "section4a/band-low": literal(arithmetic(0, "band k = 0")),
+        "section4a/band-high": arithmetic(highest_band, f"({samples} - 1) / (2 x 2.5 ms x {steps})"),
+        "section4a/sampling-period": sampling_period(config),
+        "section4a/length-low": constant(priors, lengths[0], prior),
+        "section4a/length-high": constant(priors, lengths[1], prior),
+        "section4a/mass-low": constant(priors, masses[0], prior),
+        "section4a/mass-high": constant(priors, masses[1], prior),
+        "section4a/friction-low": constant(priors, friction[0], prior),
+        "section4a/friction-high": constant(priors, friction[1], prior),
+        "section4a/steepness": constant(dynamics, dynamics.LAMBDA),
+        "section4a/time-low": constant(trajectories, trajectories.identification_trajectory().time[0]),
+        "section4a/time-high": setting("signals.duration_s", signals.duration_s / math.pi),
+        "section4a/guess-low": setting("data.guess_low", config.data.guess_low),
+        "section4a/guess-high": setting("data.guess_high", config.data.guess_high),
+    }
 
 
-def _similarity(number: PublishedValue, results: Results, config: Configuration) -> Values:
-    """Cell of Table 7 or 10."""
-    table, case, joint = number.id.partition("/")[0], number.case, number.joint or 0
-    note = training_note(config) if table == "table07" else ""
-    variants = (LINEAR,) if number.method == LEAST_SQUARES else VARIANTS[table]
+def eq08(config: Configuration) -> Values:
+    """Eq. 8, samples of the image."""
+    return {"eq08/samples": image_samples(config)}
+
+
+def eq09() -> Values:
+    """Eq. 9, the image."""
+    return {
+        "eq09/torque-factor": literal(constant(dataset, 2)),
+        "eq09/offset/alpha": constant(image, image.LOG_OFFSET),
+        "eq09/offset/psi": constant(image, image.LOG_OFFSET),
+    }
+
+
+def eq10() -> Values:
+    """Eq. 10, the identification trajectory."""
     values = {}
-    for variant in variants if number.quantity == "total" else variants[:1]:
-        score = results.similarity(table, case, variant.method, joint, number.quantity)
-        values[variant.suffix] = _score(score, variant, note)
+    for joint, harmonic in zip(JOINTS, trajectories.SECOND_HARMONIC, strict=True):
+        values[f"eq10/amplitude/joint{joint}"] = constant(trajectories, harmonic.amplitude)
+        values[f"eq10/frequency/joint{joint}"] = constant(trajectories, harmonic.frequency)
+        values[f"eq10/phase/joint{joint}"] = constant(trajectories, harmonic.phase)
     return values
 
 
-def _parameter(number: PublishedValue, results: Results, _: Configuration) -> Values:
-    """Cell of Table 4 or 5."""
-    table, run = number.id.partition("/")[0], {"case": number.case, "method": ALGORITHM}
-    file, row = f"tables/{table}.csv", {**run, "parameter": number.parameter}
-    true, estimate, sd = (results.number(file, column, **row) for column in ("true", "estimate", "estimate_sd"))
-    seeds = results.totals(table, **run).index.nunique()
-
-    def nearer(published: float, ours: float) -> bool:
-        return abs(ours - true) < abs(published - true)
-
-    ours = OurValue(estimate, table, Basis.NUMERIC, sd, seeds, cause="another network", note=f"true value {true:g}")
-    # A twentieth of a parameter does not matter; an interval wider than a quarter of it compares nothing.
-    equivalent, cap = 0.05 * abs(number.value), 0.25 * abs(number.value)
-    return {"": replace(ours, equivalent=equivalent, cap=cap, better=nearer)}
-
-
-def _tracking(number: PublishedValue, results: Results, _: Configuration) -> Values:
-    """Cell of Table 8, to which arm and duration of ID are matched."""
-    value = results.similarity("table08", "tracking", "pd", number.joint or 0)
-    return {"": replace(value, basis=Basis.CONSTRUCTION, cause="lag of the gains")}
-
-
-def _mean(number: PublishedValue, results: Results, config: Configuration) -> Values:
-    """Mean of the eight totals of Table 6."""
-    means = {variant: results.mean_total("table06", variant.method, NUMERIC_CASES) for variant in VARIANTS["table06"]}
-    values = {}
-    for variant, mean in means.items():
-        totals = [
-            results.similarity("table06", case, variant.method, j).value for case in NUMERIC_CASES for j in (1, 2)
-        ]
-        notes = number.note, f"smallest {min(totals):.2f}", training_note(config)
-        values[variant.suffix] = _score(mean, variant, *notes)
+def section4b(config: Configuration) -> Values:
+    """Section IV-B, the network and its training."""
+    network, paper = NetworkSettings(), config.training.paper
+    weights, outputs = network.weights, network.weights["fc6.weight"][0]
+    values = {
+        "section4b/input/rows": image_samples(config),
+        "section4b/input/columns": image_samples(config),
+        "section4b/input/channels": constant(architecture, weights["conv1.weight"][1]),
+        "section4b/outputs": constant(architecture, outputs),
+        "section4b/output-low": literal(constant(architecture, 0, "sigmoid of Eq. 13")),
+        "section4b/output-high": literal(constant(architecture, 1, "sigmoid of Eq. 13")),
+        "section4b/biases": constant(architecture, weights["conv1.bias"][0]),
+        "section4b/pool": constant(architecture, (network.image_size - network.kernels[0] + 1) / network.pooled[0]),
+        "section4b/loss-divisor": constant(architecture, 2 * outputs, "half the mean square"),
+        "section4b/loss-terms": constant(architecture, outputs),
+        "section4b/iterations": recipe_iterations(config),
+    }
+    for layer in (1, 2, 3):
+        maps, inputs, size, _ = weights[f"conv{layer}.weight"]
+        values[f"section4b/kernel{layer}/size"] = constant(architecture, size)
+        values[f"section4b/kernel{layer}/inputs"] = constant(architecture, inputs)
+        values[f"section4b/kernel{layer}/outputs"] = constant(architecture, maps)
+    for name, key, value in (
+        ("learning-rate", "learning_rate", paper.learning_rate),
+        ("learning-rate-slope", "learning_rate_slope", paper.learning_rate_slope),
+        ("gradient-gain", "gradient_gain", paper.gradient_gain),
+        ("train-images", "train_share", paper.train_share * paper.images),
+        ("test-images", "train_share", -paper.train_share * paper.images + paper.images),
+    ):
+        values[f"section4b/{name}"] = of_paper_recipe(config, f"training.paper.{key}", value)
     return values
 
 
-def _extreme(number: PublishedValue, results: Results, _: Configuration) -> Values:
-    """Smallest total of ID, or largest total of the validation motions, in Table 10."""
-    cases, choose = (("ID",), min) if number.ours.endswith("smallest") else (VALIDATION_CASES, max)
-    values = {}
-    for variant in VARIANTS["table10"]:
-        totals = [results.similarity("table10", case, variant.method, j) for case in cases for j in (1, 2)]
-        extreme = choose(totals, key=lambda total: total.value)
-        values[variant.suffix] = _score(extreme, variant, number.note)
+def section4c(config: Configuration) -> Values:
+    """Section IV-C, filter, guesses and similarity."""
+    signal = np.sin(np.arange(1.0, 100.0))
+    self_similarity = float(metr2ev(signal, signal).total)
+    return {
+        "section4c/sampling-period": sampling_period(config),
+        "section4c/filter-coefficient": filter_coefficient(config),
+        "section4c/samples": image_samples(config),
+        "section4c/guess-low": setting("algorithm1.guess_low", config.algorithm1.guess_low),
+        "section4c/guess-high": setting("algorithm1.guess_high", config.algorithm1.guess_high),
+        "section4c/identical": arithmetic(100 * self_similarity, "metr2ev of a signal with itself"),
+        "section4c/power": setting("metric.exponent", config.metric.exponent),
+    }
+
+
+def algorithm1(config: Configuration) -> Values:
+    """Listing of Algorithm 1."""
+    return {
+        "algorithm1/samples": image_samples(config),
+        "algorithm1/guesses": constant(parameters, len(NAMES)),
+        "algorithm1/guess-low": setting("algorithm1.guess_low", config.algorithm1.guess_low),
+        "algorithm1/guess-high": setting("algorithm1.guess_high", config.algorithm1.guess_high),
+        "algorithm1/joint-weight": literal(constant(parameters, 1 / 2, "the mean of both joints")),
+    }
+
+
+def section5(config: Configuration) -> Values:
+    """Section V, results."""
+    published = sum(motion.published for motion in programs.VALIDATION.values())
+    return {
+        "section5/validation-trajectories": constant(programs, published, "T1 to T4"),
+        "section5/joints": joints(config),
+    }
+
+
+def eq16() -> Values:
+    """Eq. 16, colours of an image."""
+    red, green, blue = image.COLOUR_WEIGHTS
+    return {
+        "eq16/red/channel1": constant(image, 3 * red[0]),
+        "eq16/red/channel2": constant(image, 3 * red[1]),
+        "eq16/green/channel1": constant(image, 3 * green[0]),
+        "eq16/blue/channel1": constant(image, 3 * blue[0]),
+    }
+
+
+def section5a(config: Configuration, results: Results) -> Values:
+    """Section V-A, the training."""
+    share = config.training.paper.train_share
+    return {
+        "section5a/parameter-sets": recipe_images(config),
+        "section5a/loss": held_out_loss(config, results),
+        "section5a/iterations": recipe_iterations(config),
+        "section5a/train-share": of_paper_recipe(config, "training.paper.train_share", share * 100),
+        "section5a/test-share": of_paper_recipe(config, "training.paper.train_share", 100 - share * 100),
+    }
+
+
+def section5b(config: Configuration) -> Values:
+    """Section V-B, numeric tests."""
+    low, high = trajectories.RANDOM_RANGE
+    return {
+        "section5b/arms": numeric_arms(config),
+        "section5b/random-low": constant(trajectories, low),
+        "section5b/random-high": constant(trajectories, high),
+    }
+
+
+def table04(published: Published, config: Configuration, results: Results) -> Values:
+    """Parameters of N1 and N2."""
+    return {
+        **true_parameters("table04", "N1", config.numeric.arms.N1),
+        **estimates_of_test_arm("table04", "N1", published, results),
+        **true_parameters("table04", "N2", config.numeric.arms.N2),
+        **estimates_of_test_arm("table04", "N2", published, results),
+    }
+
+
+def table05(published: Published, config: Configuration, results: Results) -> Values:
+    """Parameters of N3 and N4."""
+    return {
+        **true_parameters("table05", "N3", config.numeric.arms.N3),
+        **estimates_of_test_arm("table05", "N3", published, results),
+        **true_parameters("table05", "N4", config.numeric.arms.N4),
+        **estimates_of_test_arm("table05", "N4", published, results),
+    }
+
+
+def table07(config: Configuration, results: Results) -> Values:
+    """Similarities of the numeric tests on the random trajectory."""
+    note, values = training_note(config), {}
+    for case, quantity, joint in product(NUMERIC_CASES, QUANTITIES, JOINTS):
+        for method in ON_PAPERS_ARMS if quantity == "total" else (LISTED,):
+            score = results.similarity("table07", case, method.name, joint, quantity)
+            values[f"table07/{case}/{quantity}/joint{joint}{method.suffix}"] = on_papers_arms(score, method, note)
     return values
 
 
-def _stability(number: PublishedValue, results: Results, _: Configuration) -> Values:
-    """Number of Appendix A for the arm behind the simulated board."""
-    file, (quantity, column) = "tables/stability.csv", number.ours.rpartition(":")[2].split(".")
-    names = results.rows(file, method="appendix")["quantity"]
-    full = next((text for text in names if text.startswith(quantity)), quantity)
-    value = results.number(file, column, method="appendix", quantity=full)
-    return {"": OurValue(value, "stability", note=number.note)}
+def section5c(config: Configuration, results: Results) -> Values:
+    """Section V-C, the experiment."""
+    torque = config.board.full_torque_nm
+    return {
+        "section5c/joints": joints(config),
+        "section5c/bridge-voltage": bench(),
+        "section5c/power-voltage": bench(),
+        "section5c/full-torque/joint1": setting("board.full_torque_nm", torque[0]),
+        "section5c/full-count/joint1": constant(frames, frames.PWM_LIMIT),
+        "section5c/full-torque/joint2": setting("board.full_torque_nm", torque[1]),
+        "section5c/full-count/joint2": constant(frames, frames.PWM_LIMIT),
+        **comparisons_in_words(results),
+        **validation_ratio("section5c/validation/algorithm1-over-least-squares", results),
+    }
 
 
-def _board(number: PublishedValue, results: Results, _: Configuration) -> Values:
-    """Number of the board in logic: exact, or the middle of the bounds of its synthesis."""
-    block, quantity = number.ours.rpartition(":")[2].split(".")
-    row = {"block": block, "quantity": quantity}
-    least, most = (results.number("tables/board_size.csv", bound, **row) for bound in ("least", "most"))
-    note = f"{least:g} to {most:g}; {number.note}" if least < most else number.note
-    middle, strict = 0.5 * (least + most), number.kind == SETTING
-    cause = "" if strict else "another board"
-    return {"": OurValue(middle, "board_size", bounds=most - middle, strict=strict, cause=cause, note=note)}
-
-
-def _loss(number: PublishedValue, results: Results, config: Configuration) -> Values:
-    """Held-out loss at the end of the training."""
-    file, note = "model/training.csv", number.note
-    loss = results.number(file, "test_loss", step=results.frames[file]["step"].iloc[-1])
-    unused = config.training.recipe != "paper"  # the loss of other samples and another schedule
-    return {"": OurValue(loss, "training", Basis.NUMERIC, better=lower, strict=True, unused=unused, note=note)}
-
-
-def _parameter_ratio(number: PublishedValue, results: Results, _: Configuration) -> Values:
-    """Ratio of parameters of Table 9, which Section V-C states in words."""
-
-    def estimates(method: str) -> dict[str, float]:
-        row = {"case": "ID", "method": method}
-        return {name: results.number("tables/table09.csv", "estimate", **row, parameter=name) for name in NAMES}
-
-    statement = number.ours.rpartition(":")[2]
-    beta = estimates(number.method or ALGORITHM)
-    if statement == "gravity-over-inertia":
-        ratio = _ratio(beta["g1"], max(beta[name] for name in ("I1", "I2", "I3")))
-    elif statement == "viscous-over-coulomb":
-        ratio = max(_ratio(beta[f"b{joint}"], beta[f"k{joint}"]) for joint in (1, 2))
-    else:
-        least_squares = estimates(LEAST_SQUARES)
-        ratio = min(_ratio(least_squares[name], beta[name]) for name in ("b1", "b2"))
-    # The arm was chosen with g1 above the inertias and friction more Coulomb than viscous.
-    basis = Basis.ARM if statement == "viscous-over-viscous" else Basis.CONSTRUCTION
-    return {"": OurValue(ratio, "table09", basis, strict=True, cause=LISTED.cause)}
-
-
-def _total_ratio(number: PublishedValue, results: Results, _: Configuration) -> Values:
-    """Total of least squares over that of Algorithm 1 for joint 1 of ID."""
-    least_squares, ours = (results.similarity("table10", "ID", name, 1).value for name in (LEAST_SQUARES, ALGORITHM))
-    ratio = _ratio(least_squares, ours)
-    return {"": OurValue(ratio, "table10", Basis.ARM, strict=True, cause=LISTED.cause, note=number.note)}
-
-
-def _validation_ratio(_: PublishedValue, results: Results, __: Configuration) -> Values:
-    """Mean total of Algorithm 1 over that of least squares: the paper's central claim."""
-    baseline = results.mean_total("table10", LEAST_SQUARES, VALIDATION_CASES).value
-    values = {}
-    for variant in VARIANTS["table10"]:
-        ratio = _ratio(results.mean_total("table10", variant.method, VALIDATION_CASES).value, baseline)
-        values[variant.suffix] = OurValue(
-            ratio, "table10", Basis.ARM, strict=True, cause=variant.cause, note=variant.note,
-            asserted="" if variant.suffix else DIFFERS,  # as listed it is below least squares, whatever the network
-        )  # fmt: skip
+def table08(config: Configuration, results: Results) -> Values:
+    """Tracking of ID, to which arm and duration are matched, and the controller."""
+    board, values = config.board, {"table08/pwm/joint1": setting("board.pwm_hz", config.board.pwm_hz[0] * 1e-3)}
+    for joint, kp, kv in zip(JOINTS, board.kp_nm_per_rad, board.kv_nm_per_rad, strict=True):
+        tracking = results.similarity("table08", "tracking", "pd", joint)
+        tracking = replace(tracking, basis=Basis.CONSTRUCTION, cause="lag of the gains")
+        values[f"table08/ID/total/joint{joint}"] = tracking
+        values[f"table08/kp/joint{joint}"] = setting("board.kp_nm_per_rad", kp)
+        values[f"table08/kv/joint{joint}"] = setting("board.kv_nm_per_rad", kv)
+        values[f"table08/cf/joint{joint}"] = filter_coefficient(config)
     return values
 
 
-def _ratio(a: float, b: float) -> float:
-    """Quotient of two parameters. Where b is not positive, it only shows which of both is larger: infinity or 0."""
-    return a / b if b > 0.0 else math.inf if a > b else 0.0
+def table10(results: Results) -> Values:
+    """Similarities of the experiment."""
+    values = {}
+    for case, quantity, joint in product(("ID", *VALIDATION_CASES), QUANTITIES, JOINTS):
+        for method in ON_SIMULATED_ARM if quantity == "total" else (LISTED,):
+            score = results.similarity("table10", case, method.name, joint, quantity)
+            id_ = f"table10/{case}/algorithm1/{quantity}/joint{joint}{method.suffix}"
+            values[id_] = on_simulated_arm(score, method)
+        score = results.similarity("table10", case, LEAST_SQUARES.name, joint, quantity)
+        values[f"table10/{case}/least-squares/{quantity}/joint{joint}"] = on_simulated_arm(score, LEAST_SQUARES)
+    return values
 
 
-#: Sources of numbers in the result files, by their names in the column.
-RESULT_SOURCES: dict[str, Callable[[PublishedValue, Results, Configuration], Values]] = {
-    "board": _board,
-    "largest": _extreme,
-    "loss": _loss,
-    "mean": _mean,
-    "parameter": _parameter,
-    "parameter-ratio": _parameter_ratio,
-    "similarity": _similarity,
-    "smallest": _extreme,
-    "stability": _stability,
-    "total-ratio": _total_ratio,
-    "tracking": _tracking,
-    "validation-ratio": _validation_ratio,
-}
+def section6(config: Configuration, results: Results) -> Values:
+    """Section VI, discussion."""
+    executions = setting("algorithm1.executions", config.algorithm1.executions)
+    t1_range = config.experiment.t1.range_rad
+    radius = 100 * validation_motions.CIRCLE_RADIUS * sum(config.arm.link_lengths_m)
+    window = constant(validation_motions, validation_motions.WINDOW_COEFFICIENT)
+    return {
+        "section6/parameter-sets": recipe_images(config),
+        "section6/image/rows": image_samples(config),
+        "section6/image/columns": image_samples(config),
+        **mean_numeric_total("section6/numeric/total", config, results),
+        "section6/numeric/threshold": setting("algorithm1.threshold", config.algorithm1.threshold * 100),
+        "section6/numeric/executions": executions,
+        "section6/experimental/threshold": setting("experiment.threshold", config.experiment.threshold * 100),
+        "section6/experimental/executions": executions,
+        **largest_validation_total("section6/experimental/total", results),
+        "section6/T1/range-low": setting("experiment.t1.range_rad", -t1_range),
+        "section6/T1/range-high": setting("experiment.t1.range_rad", t1_range),
+        "section6/T2/circle": setting("arm.link_lengths_m", radius, "radius, a tenth of the sum"),
+        "section6/window/start": window,
+        "section6/window/end": window,
+    }
 
 
-def values_of(
-    number: PublishedValue,
-    published: Published,
-    config: Configuration,
-    audit: Mapping[str, float],
-    results: Results,
-) -> Values:
-    """Compute our values of a number; `audit` has the values found, by finding."""
-    source, _, expression = number.ours.partition(":")
-    if source == "bench":
-        return {"": OurValue(math.nan, "", note=number.note)}
-    if source == "result":
-        return RESULT_SOURCES[expression.partition(":")[0]](number, results, config)
-    module, names = "", {"pi": math.pi, "CIRCLE_RADIUS": validation_motions.CIRCLE_RADIUS, **plain(config)}
-    if source == "const":
-        module, _, expression = expression.partition(":")
-        names = vars(MODULES[module]) if module in MODULES else {}
-    elif source == "arithmetic":
-        names |= {"frames": frames, "audit": audit, "printed": {each.id: each.value for each in published}}
-    try:
-        value = float(evaluate(expression, names))
-    except (ValueError, TypeError, LookupError, AttributeError, SyntaxError) as error:
-        raise ValueError(f"{number.id}: ours: {number.ours} is no arithmetic on known names: {error}") from error
-    if source == "arithmetic":
-        field = re.compile(r"\{([^:}]+)(?::([^}]+))?\}")
-        note = field.sub(lambda match: format(evaluate(match[1], names), match[2] or "g"), number.note)
-        return {"": OurValue(value, LEDGER, Basis.ARITHMETIC, note=note)}
-    if source == "const":
-        note = "; ".join(filter(None, (number.note, "repro." + module)))
-        return {"": OurValue(value, LEDGER, strict=True, note=note)}
-    note = ", ".join(filter(None, (f"config/config.yaml: {_first_key(expression)}", number.note)))
-    unused = source == "schedule" and config.training.recipe != "paper"
-    return {"": OurValue(value, LEDGER, strict=True, unused=unused, note=note)}
+def section7(config: Configuration, results: Results) -> Values:
+    """Section VII, conclusion."""
+    return {
+        "section7/joints": joints(config),
+        "section7/sampling-period": sampling_period(config),
+        **largest_validation_total("section7/experimental/total", results),
+    }
+
+
+def appendix(found: Mapping[str, float], results: Results) -> Values:
+    """Appendix A, the stability proof."""
+    proof, sine = stability.LyapunovSettings(), found["appendix/sine"]
+    return {
+        "appendix/rho": constant(stability, proof.rho),
+        "appendix/epsilon": constant(stability, proof.epsilon),
+        "appendix/gamma": constant(stability, proof.gamma),
+        "appendix/domain": arithmetic(sine / math.pi, f"{sine:.3f} / pi"),
+        "appendix/potential": of_appendix_arm(results, "Potential energy (Eq. 17)", "value"),
+        "appendix/energy": of_appendix_arm(results, "Energy (Eq. 17)", "value"),
+        "appendix/dissipation": of_appendix_arm(results, "Dissipation (Eq. 18)", "value"),
+        "appendix/coupling": of_appendix_arm(results, "Dissipation (Eq. 18)", "bound"),
+        "appendix/r1_min": of_appendix_arm(results, "Rate (Eq. 19)", "value"),
+        "appendix/r2_max": of_appendix_arm(results, "Rate (Eq. 19)", "bound"),
+    }

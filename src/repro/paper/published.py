@@ -8,27 +8,22 @@ states it. Comparisons of Section V-C in words are ratios above or below 1. Left
 1, and Table 8's PWM frequency of joint 2, unreadable in the text we have.
 
 Percentages stay in percent, every number keeps its unit and its trailing zeros, which show how finely it is known:
-``500e3`` is "500 thousand". Fields that do not apply are empty. The columns ``ours`` and ``note`` declare where our
-value comes from (`repro.paper.our_values`).
+``500e3`` is "500 thousand". Fields that do not apply are empty. Our values are those of `repro.paper.our_values`.
 """
 
-import ast
 import math
-import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from decimal import Decimal
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from repro.errors import InputError
 from repro.files import read_rows
 from repro.model.parameters import NAMES, Array
-from repro.signals.metric import metr2ev
 
 PUBLISHED_FILE = Path(__file__).with_name("published.csv")
 #: The four numeric test arms of Tables 4 and 5.
@@ -65,8 +60,6 @@ class PublishedValue:
     printed: str  # the number, with the digits printed
     text: str  # the print itself where it is not that number: ``half-million``, ``three``; else empty
     kind: str  # one of `KINDS`
-    ours: str = ""  # where our value comes from (`repro.paper.our_values`)
-    note: str = ""  # what a reader of the comparison should know
 
     def __str__(self) -> str:
         """The number as it is printed."""
@@ -135,59 +128,3 @@ def load_published(path: Path = PUBLISHED_FILE) -> Published:
         joint, printed = int(row.pop("joint") or 0) or None, row.pop("value")
         values[row["id"]] = PublishedValue(joint=joint, printed=printed, **row)
     return Published(tuple(values.values()), path.name)
-
-
-_OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
-    ast.RShift: operator.rshift,
-}
-
-
-def _self_similarity() -> float:
-    signal = np.sin(np.arange(1.0, 100.0))
-    return float(metr2ev(signal, signal).total)
-
-
-FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "count": lambda entries, attribute: sum(getattr(entry, attribute) for entry in entries.values()),
-    "exp": math.exp,
-    "len": len,
-    "log": math.log,
-    "round": round,
-    "self_similarity": _self_similarity,
-    "sum": sum,
-}
-
-
-def evaluate(expression: str, names: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    """Evaluate arithmetic on names, their attributes and items, calls without arguments, and `FUNCTIONS`."""
-    return _value(ast.parse(expression, mode="eval").body, names)
-
-
-def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:  # noqa: ANN401
-    result: Any
-    match node:
-        case ast.Constant():
-            result = node.value
-        case ast.Name(id=name):
-            result = names[name]
-        case ast.Attribute(value=owner, attr=name) if not name.startswith("_"):
-            parent = _value(owner, names)
-            result = parent[name] if isinstance(parent, Mapping) else getattr(parent, name)
-        case ast.Subscript(value=owner, slice=key):
-            result = _value(owner, names)[_value(key, names)]
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            result = -_value(operand, names)
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-            result = _OPERATORS[type(op)](_value(left, names), _value(right, names))
-        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
-            result = FUNCTIONS[name](*(_value(argument, names) for argument in arguments))
-        case ast.Call(func=function, args=[], keywords=[]):
-            result = _value(function, names)()
-        case _:
-            raise ValueError(f"{ast.unparse(node)} is no arithmetic on names")
-    return result

@@ -13,15 +13,25 @@ from markupsafe import Markup
 
 from repro.config.model import Configuration
 from repro.drawing.embed import environment, link, picture, policy, read_bytes
-from repro.drawing.markup import SUPERSCRIPTS, TIMES
-from repro.drawing.markup import unit as unit_text
+from repro.drawing.markup import SUPERSCRIPTS, TIMES, unit
 from repro.drawing.style import title_of
 from repro.errors import InputError
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
 from repro.exhibits.declare import Exhibit, read_shown
 from repro.experiments import monte_carlo
 from repro.files import read_csv, read_rows, write_text
-from repro.paper import claims as ledger
+from repro.paper.claims import (
+    BETTER,
+    DIFFERS,
+    EXTENSION,
+    REPRODUCED,
+    VERDICTS,
+    Basis,
+    broken,
+    by_basis,
+    causes,
+    summary,
+)
 from repro.provenance import commit, package_versions
 from repro.signals.programs import SPAN
 
@@ -35,7 +45,7 @@ class ReportInputs:
 
     results: Path  # folder with ``claims.csv``, ``tables/`` and ``figures/`` (the numbers drawn)
     figures: Path  # folder with ``figNN.png`` and ``figNN.pdf``
-    captures: Path | None  # ``SHA256SUMS`` of the stored captures, if the results are from such
+    captures: Sequence[Path]  # files of the stored captures, if the results are from such
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
     provenance: Mapping[str, str]  # commit, packages and the like; empty if nobody recorded them
     notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
@@ -77,7 +87,7 @@ def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
 
 
 #: Verdicts that the first section counts together; the others are open.
-_GROUPS = {ledger.REPRODUCED: "agree", ledger.BETTER: "agree", ledger.DIFFERS: "differ"}
+_GROUPS = {REPRODUCED: "agree", BETTER: "agree", DIFFERS: "differ"}
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
@@ -103,8 +113,8 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
     Published numbers and ours have their unit; a difference and a tolerance have that of what is published.
     """
     rows = read_rows(path, COLUMNS)
-    bases = tuple(str(basis) for basis in ledger.Basis)
-    allowed = {"basis": bases, "asserted": ("", *ledger.VERDICTS), "cause": ("", *ledger.causes())}
+    bases = tuple(str(basis) for basis in Basis)
+    allowed = {"basis": bases, "asserted": ("", *VERDICTS), "cause": ("", *causes())}
     seen: set[str] = set()
     for number, row in enumerate(rows, start=1):
         place = f"{path}: row {number}"
@@ -113,22 +123,21 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
                 raise InputError.at(f"{place}: {name}", "nothing", "text")
         if not _ID.fullmatch(row["id"]) or row["id"] in seen:
             raise InputError.at(f"{place}: id", repr(row["id"]), "an id without blanks, used once")
-        if row["verdict"] not in ledger.VERDICTS:
-            raise InputError.at(f"{place}: verdict", repr(row["verdict"]), f"one of {', '.join(ledger.VERDICTS)}")
+        if row["verdict"] not in VERDICTS:
+            raise InputError.at(f"{place}: verdict", repr(row["verdict"]), f"one of {', '.join(VERDICTS)}")
         for name, values in allowed.items():
             if row[name] not in values:
                 raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, values))}")
         seen.add(row["id"])
-    lost = set(ledger.broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
+    lost = set(broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
     return [
-        {**row, **_cells(row), "extension": ledger.EXTENSION in row["id"], "satisfied": row["id"] not in lost}
-        for row in rows
+        {**row, **_cells(row), "extension": EXTENSION in row["id"], "satisfied": row["id"] not in lost} for row in rows
     ]
 
 
 def _cells(row: Mapping[str, str]) -> dict[str, Cell]:
-    unit, published = row["unit"].strip(), row["published"].strip()
-    shown = "" if unit in _NO_UNIT else f"\N{NO-BREAK SPACE}{unit_text(unit).md}"
+    si, published = row["unit"].strip(), row["published"].strip()
+    shown = "" if si in _NO_UNIT else f"\N{NO-BREAK SPACE}{unit(si).md}"
     whole, _, part = published.partition(".")
     # One more than published; None if the number is not a plain decimal.
     decimals = len(part) + 1 if _NUMBER.fullmatch(published) and (whole + part).lstrip("+-").isdigit() else None
@@ -205,7 +214,7 @@ def closing_lines(results: Path, figures: Path, config_files: Sequence[str | Pat
     page = results / "report/index.html"
     overlaid = f" --config {' '.join(map(str, config_files))}" if len(config_files) > 1 else ""
     check = f"check: .venv/bin/repro verify --results {results}{overlaid}"
-    return [*lines, "", *ledger.summary(numbers), "", f"report: {page}", f"figures: {figures}", check]
+    return [*lines, "", *summary(numbers), "", f"report: {page}", f"figures: {figures}", check]
 
 
 _TEMPLATES = Path(__file__).parent
@@ -215,13 +224,13 @@ def build_report(inputs: ReportInputs) -> str:
     """Lay out the report."""
     ledger_file, audit_file = inputs.results / "claims.csv", inputs.results / "tables" / "audit.csv"
     claims = read_claims(ledger_file)
-    counts = ledger.by_basis(pd.DataFrame(claims, columns=list(COLUMNS)))
+    counts = by_basis(pd.DataFrame(claims, columns=list(COLUMNS)))
     style, script = (Markup((_TEMPLATES / name).read_text("utf-8")) for name in ("report.css", "report.js"))
     templates = environment(_TEMPLATES)
     templates.filters["slug"] = lambda text: "-".join(str(text).split())
-    differing = [claim for claim in claims if claim["verdict"] == ledger.DIFFERS]
-    causes = ledger.causes()
-    of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in causes}
+    differing = [claim for claim in claims if claim["verdict"] == DIFFERS]
+    causes_by_name = causes()
+    of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in causes_by_name}
     text = templates.get_template("report.html").render(
         inputs=inputs,
         style=style,
@@ -230,36 +239,25 @@ def build_report(inputs: ReportInputs) -> str:
         claims=claims,
         claims_link=link(ledger_file, inputs.page),
         counts=counts[counts.any(axis=1)],
-        meanings=ledger.VERDICTS,
+        meanings=VERDICTS,
         grouped=counts.groupby(lambda verdict: _GROUPS.get(verdict, "open")).sum(),
         asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),
-        differing=[(causes[name], own) for name, own in of_causes.items() if own],
+        differing=[(causes_by_name[name], own) for name, own in of_causes.items() if own],
         audit=[{name: cell for name, cell in row.items() if name != "id"} for row in read_rows(audit_file)],
         audit_links=[link(path, inputs.page) for path in (audit_file, audit_file.with_suffix(".tex")) if path.exists()],
         tables=[show(exhibit, inputs) for exhibit in TABLES],
         figures=[show(exhibit, inputs) for exhibit in FIGURES],
         targets=TARGETS,
-        captures=_captures(inputs),
+        captures=[
+            (path.name, hashlib.sha256(read_bytes(path, "a stored capture")).hexdigest()) for path in inputs.captures
+        ],
     )
     size = len(text.encode())
     if size > LARGEST_REPORT:
         expected = f"{LARGEST_REPORT / 1e6:g} MB at most; the figures are what fills it"
         raise InputError.at(str(inputs.page), f"{size / 1e6:.1f} MB", expected)
     return text
-
-
-def _captures(inputs: ReportInputs) -> list[tuple[str, str]]:
-    """Name and SHA-256 of every stored capture."""
-    if inputs.captures is None:
-        return []
-    hashes, sums = [], read_bytes(inputs.captures, "SHA-256 sums").decode("utf-8", "replace")
-    for number, line in enumerate(sums.splitlines(), start=1):
-        digest, _, name = line.partition("  ")
-        if len(digest) != 64 or not name:
-            raise InputError.at(f"{inputs.captures}: line {number}", repr(line), "a SHA-256, two blanks and a name")
-        hashes.append((name, digest))
-    return hashes
 
 
 def make_report(
@@ -280,5 +278,5 @@ def make_report(
     if is_stored:
         notice = f"{notice} {stored.capitalize()}.".strip()
     folders = (Path(config.results), Path(config.figures))
-    inputs = ReportInputs(*folders, next(iter(captures), None), digest, provenance, notice)
+    inputs = ReportInputs(*folders, sorted(captures), digest, provenance, notice)
     write_text(inputs.page, build_report(inputs))
