@@ -1,5 +1,6 @@
 """The captures in the repository: whole, and marked as simulated."""
 
+import hashlib
 import json
 
 import pytest
@@ -8,6 +9,12 @@ from experiment_example import CAPTURES, MOTIONS
 from repro.board.capture import read_capture, verify_control
 
 pytestmark = pytest.mark.slow
+
+
+def test_the_list_of_check_sums_for_other_programs_is_that_of_the_files():
+    listed = dict(line.split("  ")[::-1] for line in (CAPTURES / "SHA256SUMS").read_text().splitlines())
+    assert sorted(listed) == sorted(f"{m}.{end}" for m in MOTIONS for end in ("bin", "program", "json"))
+    assert listed == {name: hashlib.sha256((CAPTURES / name).read_bytes()).hexdigest() for name in listed}
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
