@@ -1,7 +1,6 @@
 # Set-up, reproduction and checks; `make` alone lists the targets.
 
 PYTHON ?= python3
-PYTHONS ?= python3.11 python3.12 python3.13
 CORES ?= 2
 
 VENV := .venv
@@ -34,7 +33,7 @@ help:
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
 	@echo "make lock       make the requirements*.lock files again from pyproject.toml"
 	@echo "make clean      remove $(VENV) and caches; results stay"
-	@echo "Variables: PYTHON=$(PYTHON) CORES=$(CORES) PYTHONS='$(PYTHONS)' (make lock)"
+	@echo "Variables: PYTHON=$(PYTHON) CORES=$(CORES)"
 
 reproduce: setup
 	$(SNAKEMAKE) --cores $(CORES)
@@ -111,7 +110,9 @@ $(TESTABLE): $(INSTALLED)
 	@touch $@
 
 lock: | check-python
-	$(PYTHON) envs/lock.py $(PYTHONS)
+	$(PYTHON) -m venv build/lock-venv
+	build/lock-venv/bin/python -m pip --disable-pip-version-check install --quiet uv==0.13.9
+	build/lock-venv/bin/python envs/lock.py
 
 check-python:
 	@$(PYTHON) -c "import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))" 2>/dev/null || { \
