@@ -84,19 +84,10 @@ setup: $(INSTALLED)
 
 setup-test: $(TESTABLE)
 
-# The CPU build of PyTorch is tried first, where its lock has one. The registry's Linux builds are made for CUDA and cannot
-# be imported without CUDA libraries, which the lock does not name: they are fetched as that build names them, without
-# hashes.
 $(LOCKED): | check-python
-	@echo "Setting up $(VENV) from requirements.lock"
+	@echo "Setting up $(VENV)"
 	@$(PYTHON) -m venv --clear $(VENV)
-	@said=$$($(PIP) install --quiet $(LOCK_OPTIONS) -r requirements-cpu.lock 2>&1) || case "$$said" in \
-	  *"No matching distribution found for torch"*) ;; \
-	  *) echo "$$said" >&2; exit 1;; esac
-	@$(PIP) install --quiet $(LOCK_OPTIONS) -r requirements.lock
-	@$(BIN)/python -c "import torch" 2>/dev/null || { \
-	  echo "pip saw only the CUDA build of PyTorch: adding its libraries, about 4 GB more (docs/dependencies.md)"; \
-	  $(PIP) install --quiet "$$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' requirements.lock)"; }
+	@$(BIN)/python envs/install.py
 	@touch $@
 
 $(INSTALLED): $(LOCKED)
@@ -121,6 +112,9 @@ check-python:
 	@$(PYTHON) -c "import ensurepip, venv" 2>/dev/null || { \
 	  echo "error: PYTHON: found $(PYTHON) without the venv module, expected one with it;" \
 	    "on Debian or Ubuntu: apt-get install python3-venv" >&2; exit 1; }
+	@$(PYTHON) -c "import os, shlex; assert shlex.split(os.getcwd()) == [os.getcwd()]" 2>/dev/null || { \
+	  echo "error: folder: found $$PWD, expected a path without blanks and quotes," \
+	    "which Snakemake does not pass to its jobs" >&2; exit 1; }
 
 clean:
 	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis build src/*.egg-info

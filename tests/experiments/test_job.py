@@ -100,3 +100,11 @@ def test_what_the_user_has_set_of_the_allocator_stays():
     environment = {"MALLOC_TOP_PAD_": "5"}
     set_allocator(environment)
     assert environment == {**ALLOCATOR, "MALLOC_TOP_PAD_": "5"}
+
+
+def test_a_folder_that_cannot_be_written_ends_the_run_with_one_line(tmp_path, capsys):
+    (tmp_path / "file").touch()
+    with pytest.raises(SystemExit) as ended:
+        share_lock(tmp_path / "file" / ".snakemake", clear=True)
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.startswith(f"{tmp_path}/file/.snakemake: found Not a directory, expected a folder ")

@@ -2,6 +2,7 @@
 
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from packaging.utils import canonicalize_name
 from packaging.version import Version
 
 ROOT = Path(__file__).resolve().parents[2]
-LOCK_FILES = [f"requirements{part}.lock" for part in ("-cpu", "", "-test", "-rtl", "-site")]
+LOCK_FILES = [f"requirements{part}.lock" for part in ("-cpu", "-uv", "", "-test", "-rtl", "-site")]
 PYTHONS = ["3.11", "3.12", "3.13"]
 CONDA_NAMES = {"matplotlib-base": "matplotlib", "pytorch": "torch", "snakemake-minimal": "snakemake"}
 CONDA_ONLY = ("python=", "pip")
@@ -45,7 +46,7 @@ def pinned(requirement):
 
 
 LOCKS = {file: read_lock(file) for file in LOCK_FILES}
-(CPU, CPU_HASHES), (RUNTIME, RUNTIME_HASHES), (TEST, _), (RTL, _), (SITE, _) = LOCKS.values()
+(CPU, CPU_HASHES), (UV, _), (RUNTIME, RUNTIME_HASHES), (TEST, _), (RTL, _), (SITE, _) = LOCKS.values()
 LOCK = {**RUNTIME, **TEST}
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 BUILD = [*map(Requirement, PYPROJECT["build-system"]["requires"])]
@@ -100,7 +101,7 @@ def test_python_range_is_the_one_locked():
     pythons = PYPROJECT["project"]["requires-python"]
     allowed = SpecifierSet(pythons)
     assert [minor for minor in range(8, 20) if allowed.contains(f"3.{minor}.1")] == [11, 12, 13]
-    for file in LOCK_FILES[1:]:
+    for file in LOCK_FILES[2:]:
         assert f"for Python {pythons};" in (ROOT / file).read_text(encoding="utf-8").splitlines()[1]
 
 
@@ -142,7 +143,7 @@ def folder(tmp_path):
 
 
 @needs_make
-@pytest.mark.parametrize("file", [*LOCK_FILES[:3], "pyproject.toml"])
+@pytest.mark.parametrize("file", ["requirements-cpu.lock", *LOCK_FILES[2:4], "pyproject.toml"])
 def test_another_lock_makes_another_environment(folder, file):
     before = planned(folder, "setup-test")
     with (folder / file).open("a", encoding="utf-8") as changed:
@@ -173,15 +174,66 @@ def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(folder, answ
 
 
 @needs_make
-def test_a_lock_that_cannot_be_installed_ends_the_set_up(folder):
-    interpreter = folder / "python"
-    pip = "#!/bin/sh\\necho a wrong hash\\nexit 1\\n"
-    made = f"mkdir -p .venv/bin; printf '{pip}' > .venv/bin/python; chmod +x .venv/bin/python"
-    interpreter.write_text(f'#!/bin/sh\n[ "$2" != venv ] || {{ {made}; }}\n', encoding="utf-8")
-    interpreter.chmod(0o755)
-    run = make(folder, "setup", f"PYTHON={interpreter}")
+def test_a_path_that_the_shell_would_split_is_refused_in_one_line(folder):
+    blank = folder / "my user's folder"
+    blank.mkdir()
+    shutil.copy(ROOT / "Makefile", blank)
+    run = make(blank, "--silent", "setup", f"PYTHON={sys.executable}")
+    (line,) = (line for line in run.stderr.splitlines() if not line.startswith("make:"))
     assert run.returncode != 0
-    assert run.stderr.startswith("a wrong hash\nmake") and run.stdout.count("\n") == 1
+    assert line.startswith(f"error: folder: found {blank}, expected ")
+    assert not (blank / ".venv").exists()
+
+
+@pytest.fixture
+def set_up(tmp_path, monkeypatch, capsys):
+    """Run the set-up, where programs that match `failing` fail; commands, output, and why it ended."""
+
+    def run(failing="never", torch=True):
+        module, commands = runpy.run_path(str(ROOT / "envs/install.py")), []
+
+        def fake(*command):
+            text = " ".join(map(str, command))
+            commands.append(text)
+            if "import torch" in text:
+                return torch, ""
+            failed = re.search(failing, text)
+            return not failed, "WARNING: slow\nERROR: a first line\nERROR: not there" if failed else ""
+
+        monkeypatch.setitem(module["main"].__globals__, "run", fake)
+        monkeypatch.setattr(sys, "prefix", str(tmp_path))
+        try:
+            module["main"]()
+        except SystemExit as ended:
+            return commands, capsys.readouterr().out, str(ended)
+        return commands, capsys.readouterr().out, ""
+
+    return run
+
+
+def test_the_cpu_build_comes_from_pip_else_from_uv(set_up):
+    commands, printed, ended = set_up()
+    installed = [Path(text).name for text in commands[:3]]
+    assert installed == ["requirements.lock", "requirements-cpu.lock", "requirements.lock"]
+    assert "190 MB" in printed and "2.7 GB" not in printed and not ended
+    commands, printed, ended = set_up("-m pip .*requirements-cpu.lock")
+    assert commands[2].endswith("requirements-uv.lock")
+    assert "--torch-backend cpu" in commands[3] and "--require-hashes" in commands[3]
+    assert "2.7 GB" not in printed and not ended
+
+
+def test_without_the_cpu_build_its_size_is_printed_and_its_libraries_are_added(set_up):
+    commands, printed, ended = set_up("requirements-(cpu|uv).lock", torch=False)
+    assert "2.7 GB" in printed and "ERROR: not there" in printed and not ended
+    assert commands[-1].endswith("--no-compile torch==2.13.0")
+    assert not any("--torch-backend" in text for text in commands)
+
+
+def test_a_set_up_without_packages_ends_with_one_line(set_up):
+    commands, _, ended = set_up(r"requirements\.lock")
+    assert len(commands) == 1
+    assert ended.splitlines()[:2] == ["ERROR: a first line", "ERROR: not there"]
+    assert ended.splitlines()[2].startswith("error: requirements.lock: found ")
 
 
 @pytest.mark.parametrize(

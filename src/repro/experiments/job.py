@@ -18,10 +18,16 @@ STATE = Path(".snakemake")
 def share_lock(state: Path = STATE, clear: bool = False) -> TextIO:
     """Hold the folder's lock, which runs and jobs share, until the file is closed or the process ends.
 
-    With `clear` Snakemake's own locks are removed if nobody else holds it: their run was killed.
+    With `clear` Snakemake's own locks are removed if nobody else holds it: their run was killed. Where nothing can be
+    written, the process ends with one line.
     """
-    state.mkdir(exist_ok=True)
-    file = (state / "run.lock").open("a")
+    try:
+        state.mkdir(exist_ok=True)
+        file = (state / "run.lock").open("a")
+    except OSError as error:
+        expected = "a folder that can be written, such as a copy of the checkout"
+        print(InputError.at(str(state.absolute()), error.strerror, expected), file=sys.stderr)
+        raise SystemExit(2) from None
     try:
         if clear:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
