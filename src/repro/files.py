@@ -25,11 +25,17 @@ _FREE_SPACE = 8 << 20
 CSV_FLOAT_FORMAT = "%.10g"
 
 
+def remove_partial_files(folder: Path) -> None:
+    """Remove what killed processes left half written in a folder, of which no process may write there now."""
+    for file in folder.rglob(".*.partial.*"):
+        file.unlink(missing_ok=True)
+
+
 def atomic_write(path: Path | str, write: Callable[[Path], object]) -> None:
     """Let `write` fill a temporary file next to `path`, then rename it to `path`."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=f".partial{path.suffix}")
     os.close(handle)
     temporary = Path(name)
     try:

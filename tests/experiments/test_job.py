@@ -82,18 +82,22 @@ sys.stdin.read()
 
 
 def test_locks_of_a_run_are_removed_once_it_and_its_jobs_are_dead(tmp_path):
-    locks = tmp_path / "locks"
+    locks, half, checkpoint = tmp_path / "locks", tmp_path / "a/.fig-x1.partial.png", tmp_path / "a/.checkpoint.png"
+    half.parent.mkdir()
+    half.touch()
+    checkpoint.touch()
     share_lock(tmp_path).close()
     with subprocess.Popen([sys.executable, "-c", HOLDER, tmp_path], stdin=-1, stdout=-1) as holder:
         assert holder.stdout.readline() == b"held\n"
         locks.mkdir()
-        share_lock(tmp_path, clear=True).close()
-        assert locks.exists()
+        share_lock(tmp_path, clear=[tmp_path]).close()
+        assert locks.exists() and half.exists()
         holder.kill()
     share_lock(tmp_path).close()
-    assert locks.exists()  # a job removes nothing
-    share_lock(tmp_path, clear=True).close()
-    assert not locks.exists()
+    assert locks.exists() and half.exists()  # a job removes nothing
+    share_lock(tmp_path, clear=[tmp_path]).close()
+    assert not locks.exists() and not half.exists()
+    assert checkpoint.exists()
 
 
 def test_what_the_user_has_set_of_the_allocator_stays():
@@ -105,6 +109,6 @@ def test_what_the_user_has_set_of_the_allocator_stays():
 def test_a_folder_that_cannot_be_written_ends_the_run_with_one_line(tmp_path, capsys):
     (tmp_path / "file").touch()
     with pytest.raises(SystemExit) as ended:
-        share_lock(tmp_path / "file" / ".snakemake", clear=True)
+        share_lock(tmp_path / "file" / ".snakemake", clear=[tmp_path])
     assert ended.value.code == 2
     assert capsys.readouterr().err.startswith(f"{tmp_path}/file/.snakemake: found Not a directory, expected a folder ")

@@ -162,6 +162,15 @@ def test_without_a_ledger_there_is_nothing_to_verify(project, capsys):
         assert code == 2 and f"results/{name}: found a pipe or a device" in err and err.count("\n") == 1
 
 
+def test_the_run_that_has_a_ledger_is_named(project, capsys):
+    (project / "results/quick").mkdir()
+    (project / "results" / CLAIMS).rename(project / "results/quick" / CLAIMS)
+    (project / "config/quick.yaml").touch()
+    code, _, err = verify(capsys)
+    assert code == 2 and err.startswith(f"results/{CLAIMS}: found no such file, expected ") and err.count("\n") == 1
+    assert err.endswith(" repro verify --results results/quick --config config/config.yaml config/quick.yaml\n")
+
+
 def test_a_list_that_was_edited_or_names_what_lies_outside_is_refused(project, capsys):
     path = project / "results" / SOURCES
     lines = path.read_text(encoding="utf-8").splitlines(keepends=True)

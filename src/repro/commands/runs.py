@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from repro.commands.options import DEFAULT_CONFIG, add_config
-from repro.errors import shown
+from repro.errors import InputError, shown
 
 
 def check_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,6 +41,19 @@ def _project_config(results: Path | None) -> Path:
     return next((file for folder in folders if (file := folder / DEFAULT_CONFIG).exists()), DEFAULT_CONFIG)
 
 
+def _name_another_run(results: Path, config: Path) -> None:
+    """Refuse results without a ledger where a folder in them has one, with the command that verifies that run."""
+    from repro.paper.ledger import CLAIMS
+
+    others = [] if (results / CLAIMS).exists() else sorted(results.glob(f"*/{CLAIMS}"))
+    if others:
+        folder = others[0].parent
+        overlay = config.with_name(f"{folder.name}.yaml")  # as the overlays of the project name their folders
+        overlaid = f" --config {config} {overlay}" if overlay.exists() else ""
+        expected = f"a ledger; another run is verified with: repro verify --results {folder}{overlaid}"
+        raise InputError.at(str(results / CLAIMS), "no such file", expected)
+
+
 def verify(arguments: argparse.Namespace) -> int:
     """Verify the claims ledger: its sources, every cell of it, the captures, and what the project asserts."""
     from repro.config.check import load_config, read_config
@@ -56,6 +69,7 @@ def verify(arguments: argparse.Namespace) -> int:
     folder = files[0].absolute().parent.parent
     root = Path() if folder == Path.cwd() else folder
     results = arguments.results or root / config.results
+    _name_another_run(results, files[0])
     claims, problems = verify_ledger(results, config, root)
     problems += [*changed_settings(results, read_config(*files), root), *changed_files(results, root)]
     print(compare_hosts(recorded_fingerprint(results)))

@@ -4,22 +4,23 @@ import fcntl
 import logging
 import shutil
 import sys
-from collections.abc import Iterator, MutableMapping
+from collections.abc import Collection, Iterator, MutableMapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TextIO
 
 from repro.errors import InputError, end_by_exception
+from repro.files import remove_partial_files
 
 #: Folder of Snakemake's records.
 STATE = Path(".snakemake")
 
 
-def share_lock(state: Path = STATE, clear: bool = False) -> TextIO:
+def share_lock(state: Path = STATE, clear: Collection[Path] = ()) -> TextIO:
     """Hold the folder's lock, which runs and jobs share, until the file is closed or the process ends.
 
-    With `clear` Snakemake's own locks are removed if nobody else holds it: their run was killed. Where nothing can be
-    written, the process ends with one line.
+    If folders to `clear` are given and nobody else holds the lock, an earlier run was killed: Snakemake's own locks are
+    removed, and files half written in these folders. Where nothing can be written, the process ends with one line.
     """
     try:
         state.mkdir(exist_ok=True)
@@ -32,6 +33,8 @@ def share_lock(state: Path = STATE, clear: bool = False) -> TextIO:
         if clear:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             shutil.rmtree(state / "locks", ignore_errors=True)
+            for folder in clear:
+                remove_partial_files(folder)
         fcntl.flock(file, fcntl.LOCK_SH)
     except BlockingIOError:
         fcntl.flock(file, fcntl.LOCK_SH)
