@@ -1,9 +1,11 @@
 """A rule's work: bad input is one line and exit code 2, any other failure keeps its traceback to the log."""
 
+import errno
 import logging
 import signal
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 import torch
@@ -74,6 +76,7 @@ def test_threads_are_those_of_the_rule(log, threads):
 HOLDER = """
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from repro.experiments.job import share_lock
 lock = share_lock(Path(sys.argv[1]))
 print("held", flush=True)
@@ -112,3 +115,17 @@ def test_a_folder_that_cannot_be_written_ends_the_run_with_one_line(tmp_path, ca
         share_lock(tmp_path / "file" / ".snakemake", clear=[tmp_path])
     assert ended.value.code == 2
     assert capsys.readouterr().err.startswith(f"{tmp_path}/file/.snakemake: found Not a directory, expected a folder ")
+
+
+def test_a_full_disk_ends_a_run_and_a_job_with_one_line(tmp_path, log, capsys, monkeypatch):
+    with pytest.raises(SystemExit) as ended, job(str(log)):
+        raise OSError(errno.ENOSPC, "No space left on device", "results/model/cnn.safetensors")
+    assert ended.value.code == 2
+    expected = "results/model/cnn.safetensors: found No space left on device, expected room on the disk\n"
+    assert capsys.readouterr().err == expected
+    monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=(16 << 20) - 1))
+    share_lock(tmp_path).close()  # a job goes on
+    with pytest.raises(SystemExit) as ended:
+        share_lock(tmp_path, clear=[tmp_path])
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.startswith(f"{tmp_path}: found No space left on device, expected ")

@@ -1,7 +1,9 @@
 """Runs and their jobs: the lock of the folder, the log with the traceback, one line for bad input."""
 
+import errno
 import fcntl
 import logging
+import os
 import shutil
 import sys
 from collections.abc import Collection, Iterator, MutableMapping
@@ -14,6 +16,8 @@ from repro.files import remove_partial_files
 
 #: Folder of Snakemake's records.
 STATE = Path(".snakemake")
+#: Disk space that a run needs to begin, bytes: Snakemake's own records of a few jobs. A whole run needs 100 MB.
+MIN_FREE_SPACE = 16 << 20
 
 
 def share_lock(state: Path = STATE, clear: Collection[Path] = ()) -> TextIO:
@@ -25,8 +29,10 @@ def share_lock(state: Path = STATE, clear: Collection[Path] = ()) -> TextIO:
     try:
         state.mkdir(exist_ok=True)
         file = (state / "run.lock").open("a")
+        if clear and shutil.disk_usage(state).free < MIN_FREE_SPACE:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except OSError as error:
-        expected = "a folder that can be written, such as a copy of the checkout"
+        expected = f"a folder that can be written, with {MIN_FREE_SPACE >> 20} MB of room"
         print(InputError.at(str(state.absolute()), error.strerror, expected), file=sys.stderr)
         raise SystemExit(2) from None
     try:
@@ -71,7 +77,10 @@ def job(log: str, threads: int = 1) -> Iterator[None]:
     except InputError as error:
         root.error("%s", error)
         raise SystemExit(2) from None
-    except BaseException:
+    except BaseException as error:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):  # there the log cannot grow
+            print(InputError.at(str(error.filename or Path.cwd()), error.strerror, "room on the disk"), file=sys.stderr)
+            raise SystemExit(2) from None
         to_terminal.setLevel(logging.CRITICAL + 1)  # the traceback goes to the log alone
         root.exception("failed")
         print(f"failed: the traceback is in {log}", file=sys.stderr)
