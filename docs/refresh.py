@@ -8,6 +8,7 @@ import argparse
 import shutil
 from pathlib import Path
 
+from long_results import LONG_RESULTS, record
 from pages import write_pages
 from PIL import Image
 
@@ -69,11 +70,15 @@ def refresh_reference() -> None:
         if not (REFERENCE / name).exists():
             (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
             (REFERENCE / name).write_bytes(content)
-    for name in ASKED_FOR:
-        if (results / f"tables/{name}.csv").exists():  # a run of its own, so it says for itself what made it
-            write_json(
-                REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": config_digest(read_config(CONFIG))}
-            )
+    # A run of its own says for itself what made it; what is as it was kept may be of an earlier run.
+    for name in LONG_RESULTS:
+        table = f"tables/{name}.csv"
+        made = (results / table).read_bytes() if table in OPTIONAL and (results / table).exists() else None
+        if made and made != kept.get(table):
+            record(name, made_by)
+            if name in ASKED_FOR:
+                digest = config_digest(read_config(CONFIG))
+                write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": digest})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
 
