@@ -73,6 +73,19 @@ def shares(kind, level, column="calibrated"):
     return 100 * single.min(), 100 * single.max(), 100 * frame["all nine"]
 
 
+MAP = pd.read_csv(REFERENCE / "figures/study.csv")
+LOSSES = 100 * MAP.query("method == 'algorithm1' and opponent == 'ordinary'")["difference"]
+
+
+def gain(**condition):
+    """Difference of posterior and consistent least squares in one condition of the study."""
+    found = MAP.query("method == 'posterior' and opponent == 'consistent'")
+    for factor, level in condition.items():
+        found = found[found[factor] == level]
+    return percents(found.iloc[0], "difference", "low", "high")
+
+
+WIDTH = table("coverage").query("arms == 'unmodelled' and level == 0.95").set_index("parameter")
 NUMERIC, VALIDATION = (100 * table(name).groupby("method")["total"].mean() for name in ("table06", "table07"))
 SEARCHED = ("algorithm1+refinement", "algorithm1+local-search", "differential-evolution")
 SCORES = pd.read_csv(REFERENCE / "validation/experiment.csv").query("method in @SEARCHED")
@@ -161,6 +174,16 @@ PHRASES = [
             ("of the second generator", "other generator"),
             ("of Eq. 1 alone, without unmodelled torque", "Eq. 1"),
         )
+    ),
+    (
+        COVERAGE,
+        "Half widths are {:.2f} to {:.2f} of the largest torque at 95 %. The intervals remove {:.0f} to {:.0f} % of "
+        "the variance of g1, g2, b1 and k2 over the arms, {:.0f} % for b2 and {:.0f} % for k1",
+        [
+            *(WIDTH["width"].min(), WIDTH["width"].max()),
+            *(100 * WIDTH["contraction"][["g1", "g2", "b1", "k2"]].agg(["min", "max"])),
+            *(100 * WIDTH["contraction"][["b2", "k1"]]),
+        ],
     ),
     (EXPERIMENT, "printed order {} of {} starts are accepted", HYPOTHESES.loc["index"]),
     (EXPERIMENT, "with rad/s {} of {}.", HYPOTHESES.loc["rad_per_s"]),
@@ -269,6 +292,16 @@ PHRASES = [
         STUDY,
         "Over all conditions the two are equal ({:.1f}, {:.1f} to {:.1f})",
         percents(row("study_claims", claim="constrained"), "difference", "low", "high"),
+    ),
+    (STUDY, "in 36 of 36 conditions, by {:.0f} to {:.0f} points", [-LOSSES.max(), -LOSSES.min()]),
+    (
+        STUDY,
+        "largest gains are {:.1f} ({:.1f} to {:.1f}) (half pace, 90 %, narrow prior, halved friction) and "
+        "{:.1f} ({:.1f} to {:.1f}) (half pace, 94 %, narrow prior, doubled friction)",
+        [
+            *gain(excitation="slow", discrepancy=0.9, prior="narrow", friction=0.5),
+            *gain(excitation="slow", discrepancy=0.94, prior="narrow", friction=2.0),
+        ],
     ),
     (
         STUDY,
