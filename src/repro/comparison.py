@@ -253,7 +253,7 @@ def _files(folder: Path) -> set[str]:
     for entry in folder.iterdir():
         if entry.is_symlink() and not entry.exists():
             raise InputError.at(str(entry), "a link that leads nowhere", "a folder or a file of a run")
-    found = {path for pattern in ("*.csv", "*/*.csv", *BYTES) for path in folder.glob(pattern)}
+    found = {path for pattern in ("*.csv", "*/*.csv", "*/*/*.csv", *BYTES) for path in folder.glob(pattern)}
     files = {path for path in found if path.relative_to(folder).parts[0] not in LEFT_OUT}
     for path in files:
         if not path.is_file():

@@ -274,3 +274,47 @@ def test_a_pipe_or_a_large_file_in_a_results_folder_does_not_hang(tmp_path):
     (b / "tables/table02.csv").unlink()
     os.truncate(b / "tables/table10.csv", 2**30)
     assert "size: found" in refused(compare_runs, a, b, Tolerances())
+
+
+REFERENCE = ROOT / "docs/reference"
+
+
+def copied(folder, name, old="", new="", fingerprint=None):
+    """A table of the reference in a folder of its own, one text of it changed, made by a host of this fingerprint."""
+    text = (REFERENCE / name).read_text(encoding="utf-8")
+    assert old in text
+    (folder / name).parent.mkdir(parents=True)
+    (folder / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+    provenance = json.loads((REFERENCE / "provenance.json").read_text(encoding="utf-8"))
+    made = {**provenance, "fingerprint": fingerprint or provenance["fingerprint"]}
+    (folder / "provenance.json").write_text(json.dumps(made), encoding="utf-8")
+    return str(folder)
+
+
+def test_the_reference_agrees_with_itself(capsys):
+    assert main(["compare", str(REFERENCE), str(REFERENCE)]) == 0
+    assert "no class is broken" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("tables/table10.csv", "T2,algorithm1,1,0.9786515822,0.8615521214,0.8431593468", "T2,algorithm1,1,0,0,0.54"),
+        ("tables/table06.csv", "N1,algorithm1,1,0.9989465728", "N1,algorithm1,1,0.9989455728"),
+        ("tables/verdict.csv", "0.01093287508", "0.01193287508"),
+        ("tables/accepted.csv", "0.7994751273", "0.7894751273"),
+        ("study/cells/eq10-wide-0.csv", "0.94146", "0.94246"),
+    ],
+)
+def test_a_changed_digit_of_the_reference_is_named(tmp_path, capsys, name, old, new):
+    a, b = copied(tmp_path / "a", name), copied(tmp_path / "b", name, old, new)
+    assert main(["compare", a, b]) == 1
+    assert f"broken: {name}" in capsys.readouterr().out
+
+
+def test_on_another_host_a_total_of_algorithm_1_may_not_differ_by_0_3(tmp_path, capsys):
+    name, old = "tables/table10.csv", "T2,algorithm1,1,0.9786515822,0.8615521214,0.8431593468"
+    a = copied(tmp_path / "a", name)
+    for total, broken in (("0.5431593468", True), ("0.8331593468", False)):
+        other = copied(tmp_path / total, name, old, old.replace("0.8431593468", total), HOST)
+        assert main(["compare", a, other]) == int(broken)
