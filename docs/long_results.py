@@ -1,11 +1,11 @@
 """Long results that `all` does not make: the code and settings of each that is kept, and whether these changed since.
 
-``docs/long_results.json`` has an entry for each: the commit that made it, and digests of its code (by definition) and
-of its settings and files. ``docs/refresh.py`` writes the entry when it copies such a result. An entry with a reason,
-under ``older``, is an exception: code or settings of its digests are later than the result, and the reason states how.
+``docs/long_results/NAME.json`` has the commit that made a result, a digest of each definition of its code, and one of
+its settings and files. ``docs/refresh.py`` writes it when it copies such a result. A reason, under ``older``, makes it
+an exception: code or settings of its digests are later than the result, and the reason states how.
 
-Usage, in the project's folder: ``python docs/long_results.py`` prints what changed. With ``--older NAME REASON`` result
-NAME becomes an exception for the code and settings as they are now.
+Usage, in the project's folder: ``python docs/long_results.py`` prints the exceptions and what changed. With ``--older
+NAME REASON`` result NAME becomes an exception for the code and settings as they are now.
 """
 
 import argparse
@@ -23,7 +23,9 @@ from repro.experiments.record import config_digest
 from repro.files import write_json
 
 ROOT = Path(__file__).resolve().parents[1]
-RECORD = ROOT / "docs/long_results.json"
+RECORDS = ROOT / "docs/long_results"
+#: Most changed definitions that a line names.
+SHOWN = 4
 ARM = ("signals", "arm", "board", "experiment")
 USED = ("signals", "network", "data", "image", "training", "metric", "algorithm1", "refinement")
 EXPERIMENTS = "data/experiments/accepted.csv"
@@ -123,8 +125,8 @@ LONG_RESULTS = {
 }
 
 
-def digests(*names: str, root: Path = ROOT) -> dict[str, dict[str, str]]:
-    """Digests of what decides each result: its code, and its settings with its input files."""
+def digests(*names: str, root: Path = ROOT) -> dict[str, dict[str, Any]]:
+    """Digests of what decides each result: of its code by definition, and of its settings with its input files."""
     code = CodeDigests(*(root / "src" / name for name in ("repro", "repro_studies")))
     found = {}
     for name in names:
@@ -134,36 +136,43 @@ def digests(*names: str, root: Path = ROOT) -> dict[str, dict[str, str]]:
         files = sorted(path for pattern in result.inputs for path in root.glob(pattern))
         inputs = {path.relative_to(root).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
         found[name] = {
-            "code_sha256": hashlib.sha256("\n".join([*code.of(*result.code), *scripts]).encode()).hexdigest(),
+            "code": dict(line.rsplit(" ", 1) for line in (*code.of(*result.code), *scripts)),
             "settings_sha256": config_digest({**stated(config, *result.sections), "inputs": inputs}),
         }
     return found
 
 
-def recorded() -> dict[str, dict[str, Any]]:
-    """Entries of the record by the name of the result."""
-    content: dict[str, dict[str, Any]] = read_json(RECORD)
+def recorded(name: str) -> dict[str, Any]:
+    """Record of a result; empty if it has none."""
+    path = RECORDS / f"{name}.json"
+    content: dict[str, Any] = read_json(path) if path.exists() else {"code": {}}
     return content
 
 
+def kept(root: Path = ROOT) -> list[str]:
+    """Names of the results that are kept."""
+    return [name for name, result in LONG_RESULTS.items() if any(root.glob(result.kept))]
+
+
 def changes(*names: str, root: Path = ROOT) -> list[str]:
-    """One line for each digest that is no longer the recorded one, of these results or of all that are kept."""
-    entries = recorded()
-    kept = names or [name for name, result in LONG_RESULTS.items() if any(root.glob(result.kept))]
-    return [
-        f"{name} ({LONG_RESULTS[name].kept}): {which.removesuffix('_sha256')} changed since it was recorded: "
-        f"run {LONG_RESULTS[name].command!r} again, or state with --older why the result stands"
-        for name, found in digests(*kept, root=root).items()
-        for which, digest in found.items()
-        if entries.get(name, {}).get(which) != digest
-    ]
+    """One line for code or settings that are no longer the recorded ones, of these results or of all that are kept."""
+    lines = []
+    for name, found in digests(*(names or kept(root)), root=root).items():
+        before, result = recorded(name), LONG_RESULTS[name]
+        changed = sorted({definition for definition, _ in found["code"].items() ^ before["code"].items()})
+        rest = f", {len(changed) - SHOWN} more" if len(changed) > SHOWN else ""
+        what = [f"code changed ({', '.join(changed[:SHOWN])}{rest})"] if changed else []
+        what += ["settings changed"] if found["settings_sha256"] != before.get("settings_sha256") else []
+        again = f"run {result.command!r} again, or state with --older why the result stands"
+        lines += [f"{name} ({result.kept}): {each} since they were recorded: {again}" for each in what]
+    return lines
 
 
 def record(name: str, commit: str | None = None, older: str = "") -> None:
-    """Write a result's entry for code and settings as they are; without a commit that of the entry stays."""
-    entries = recorded() if RECORD.exists() else {}
-    entry = {"commit": commit or entries[name]["commit"], **digests(name)[name]}
-    write_json(RECORD, {**entries, name: entry | ({"older": older} if older else {})})
+    """Write a result's record for code and settings as they are; without a commit that of the record stays."""
+    made = {"commit": commit or recorded(name)["commit"], **digests(name)[name]}
+    RECORDS.mkdir(exist_ok=True)
+    write_json(RECORDS / f"{name}.json", made | ({"older": older} if older else {}))
 
 
 if __name__ == "__main__":
@@ -171,6 +180,8 @@ if __name__ == "__main__":
     parser.add_argument("--older", nargs=2, metavar=("NAME", "REASON"), help="make a result an exception")
     if chosen := parser.parse_args().older:
         record(chosen[0], older=chosen[1])
+    for name in kept():
+        print(f"{name}: {recorded(name).get('older', 'as recorded')}")
     problems = changes()
     print("\n".join(problems) or "every long result has the code and settings that are recorded")
     sys.exit(bool(problems))

@@ -79,8 +79,8 @@ ELSEWHERE = {
     "study": "tests/studies/test_kept_study.py",
     "coverage": "needs the network",
     "search": "takes 80 s: the golden run has it",
-    "paper_recipe": "its scores are not kept (docs/long_results.json)",
-    "losses": "its histories are not kept (docs/long_results.json)",
+    "paper_recipe": "its scores are not kept (docs/long_results)",
+    "losses": "its histories are not kept (docs/long_results)",
 }
 KEPT = {exhibit.target: exhibit for exhibit in EXHIBITS if (REFERENCE / f"{exhibit.kind}s/{exhibit.name}.csv").exists()}
 AGAIN = [name for name, exhibit in KEPT.items() if not ELSEWHERE.keys() & set(exhibit.inputs)]
