@@ -8,6 +8,7 @@ import argparse
 import shutil
 from pathlib import Path
 
+from long_results import LONG_RESULTS, record
 from pages import write_pages
 from PIL import Image
 
@@ -35,8 +36,14 @@ def refresh_gallery() -> None:
             small.save(GALLERY / figure.name, optimize=True)
 
 
-#: Files of a run, beside its tables, that a reader compares with and the ledger is computed from.
-KEPT = ("model/training.csv", "model/model-card.md", "validation/numeric.csv", "validation/experiment.csv")
+#: Files of a run, beside its tables, that a reader compares with and ledger and tables are computed from.
+KEPT = (
+    "model/training.csv",
+    "model/model-card.md",
+    "validation/*.csv",
+    "accepted/methods.csv",
+    "identification/*seed*.json",
+)
 COSTS = "logs/costs.csv"
 TABLES, FIGURES = (
     [exhibit.name for exhibit in EXHIBITS if exhibit.optional and exhibit.kind == kind] for kind in ("table", "figure")
@@ -45,6 +52,8 @@ TABLES, FIGURES = (
 TUTORIALS = [
     f"tutorials/{script.stem}{end}" for script in Path("docs/tutorials").glob("*.py") for end in (".md", "-1.png")
 ]
+#: What tables of targets that `all` does not make are computed from.
+OUTCOMES = ("study/cells/*.csv", "accepted/experiment-*.csv", "factorial/*.csv")
 OPTIONAL = (
     *(f"tables/{name}.{ext}" for name in TABLES for ext in ("csv", "md", "tex")),
     *(f"{name}.json" for name in ASKED_FOR),
@@ -57,25 +66,32 @@ def refresh_reference() -> None:
     """Copy what a reader compares their own run with."""
     config = load_config(CONFIG)
     results, made_by = Path(config.results), commit(Path())  # before the copy makes the folder differ
-    study = {path.relative_to(run).as_posix() for run in (REFERENCE, results) for path in run.glob("study/cells/*.csv")}
-    asked_for = (*OPTIONAL, *sorted(study))
+    outcomes = {name for run in (REFERENCE, results) for name in _files(run, *OUTCOMES)}
+    asked_for = (*OPTIONAL, *sorted(outcomes))
     kept = {name: (REFERENCE / name).read_bytes() for name in asked_for if (REFERENCE / name).is_file()}
     shutil.rmtree(REFERENCE, ignore_errors=True)
-    tables = [str(path.relative_to(results)) for path in sorted((results / "tables").glob("*.*"))]
-    for name in (*KEPT, COSTS, *(name for name in asked_for if (results / name).exists()), *tables):
+    made = _files(results, *KEPT, COSTS, "tables/*.*")
+    for name in (*made, *(name for name in asked_for if (results / name).exists())):
         (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(results / name, REFERENCE / name)
     for name, content in kept.items():
         if not (REFERENCE / name).exists():
             (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
             (REFERENCE / name).write_bytes(content)
-    for name in ASKED_FOR:
-        if (results / f"tables/{name}.csv").exists():  # a run of its own, so it says for itself what made it
-            write_json(
-                REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": config_digest(read_config(CONFIG))}
-            )
+    # A run of its own says for itself what made it; what is as it was kept may be of an earlier run.
+    for name in LONG_RESULTS:
+        table = f"tables/{name}.csv"
+        if table in OPTIONAL and (results / table).exists() and (results / table).read_bytes() != kept.get(table):
+            record(name, made_by)
+            if name in ASKED_FOR:
+                digest = config_digest(read_config(CONFIG))
+                write_json(REFERENCE / f"{name}.json", {"commit": made_by, "config_sha256": digest})
     shutil.copy(CONFIG, REFERENCE)
     shutil.copy(results / "logs/provenance.json", REFERENCE)
+
+
+def _files(run: Path, *patterns: str) -> list[str]:
+    return [path.relative_to(run).as_posix() for pattern in patterns for path in sorted(run.glob(pattern))]
 
 
 def refresh_networks() -> None:

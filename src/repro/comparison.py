@@ -1,14 +1,20 @@
-"""The three classes of number, and two tables or two results folders compared by them.
+"""The classes of number, and two tables or two results folders compared by them.
 
 exact
     Text, integers, counts, the bytes of recordings: equal.
 computed
     Floats that no network had a part in: equal but for what rounding makes of another order of sums,
     ``|a - b| <= ABSOLUTE + RELATIVE max(|a|, |b|)``. Zero is so compared absolutely.
+simulated
+    The same, of arms that a run simulates again, whose closed loops may be chaotic.
 trained
-    What depends on a network, a random search or specimens simulated again: within `MARGIN` times the widest difference
-    that networks of other seeds and processors made in its table, method and column (`spread.csv`, written by
-    ``benchmarks/training_spread.py``).
+    What depends on a network or a random search.
+
+The class belongs to row and column. Hosts with one fingerprint make the same bits, so that all classes are compared as
+computed there. Elsewhere a trained number may differ by the smallest of three limits: `MARGIN` times the widest
+difference that networks of other seeds and processors made for its method and column (`spread.csv`, written by
+``benchmarks/training_spread.py``); `OF_SEEDS` times the standard deviation of this very number over its seeds of
+guesses, where its row has it; and, of a similarity, `LARGEST`, which is the limit of a simulated similarity too.
 """
 
 import math
@@ -20,6 +26,7 @@ from pathlib import Path
 
 from repro.errors import InputError
 from repro.files import read_rows
+from repro.fingerprint import OF_NETWORKS, differing
 
 #: Files have ten digits, so rounding alone may change a number by 1e-9 of itself. The tolerance is ten times that. The
 #: rounding of computations is smaller. It is largest in least squares: 4e-14 of an estimate, which is 1.1e-16 times the
@@ -28,8 +35,13 @@ RELATIVE = 1e-8
 #: The difference of two numbers of size 1 to 1000 has a rounding error of 1e-16 to 1e-13. The smallest printed number
 #: that is compared with ours is 7e-8.
 ABSOLUTE = 1e-12
-#: Factor on the measured spread of a trained number, because the spread was measured on few seeds.
+#: Factor on the measured spread over networks, because few were measured.
 MARGIN = 2.0
+#: Factor on the standard deviation over seeds of guesses. The one over networks is up to 2.2 times as large (Table 5 of
+#: the numeric tests), so a difference of two networks is within three of its own standard deviations.
+OF_SEEDS = 9.0
+#: Largest difference of two similarities on any hosts. Last bits alone move that of an arm that chatters by as much.
+LARGEST = 0.1
 
 Row = Mapping[str, str]
 
@@ -39,27 +51,40 @@ class Kind(StrEnum):
 
     EXACT = "exact"
     COMPUTED = "computed"
+    SIMULATED = "simulated"
     TRAINED = "trained"
 
 
-#: Columns that name the origin of a number.
+#: Columns that name the origin of a number, and those of them that name all methods that had a part in it.
 ORIGIN = ("method", "series", "network")
+METHODS = ("method", "opponent", "reader")
 #: Beginnings of the origins that depend on a network. The ablation without the network is one of them, because a last
 #: bit changes which of two equal candidates its selection keeps.
-TRAINED_ORIGINS = ("algorithm1", "differential-evolution", "rebuilt")
+TRAINED_ORIGINS = ("algorithm1", "differential-evolution", "rebuilt", "posterior", "flow", "cnn", "plain")
 #: The ledger of published numbers.
 LEDGER = "claims"
 #: Columns of a trained row that do not depend on the network: counts, and values that the paper prints.
 COUNTED = frozenset({"seed", "seeds", "joint", "step", "runs", "arms", "arm", "bin", "number", "level"})
 PRINTED = frozenset({"true", "published"})
+#: Columns of similarities and their differences, 0 to 1, in rows that name methods. Ends of intervals are none of them:
+#: one arm that chatters moves the end of an interval over the arms further.
+SIMILARITIES = re.compile(
+    r"time|frequency|total|((numeric|frequency)_)?(id|validation)|(id1|id2|mean)(_median)?|median|difference"
+)
+#: Column with the standard deviation of a column over seeds of guesses.
+DEVIATION = dict.fromkeys(("time", "frequency", "total"), "total_sd") | {"estimate": "estimate_sd", "value": "spread"}
 
 
 def origin(row: Row) -> str:
     """Return what a row is about: the first of the columns `ORIGIN` that it has, or its id if it is a claim."""
-    if "published" not in row:
+    if not {"id", "published"} <= row.keys():
         return next((row[column] for column in ORIGIN if column in row), "")
     # Without the cell of its table: ``table10/ID/algorithm1/time/joint2`` is of ``table10/algorithm1/time``.
     return re.sub(r"^(table\w*)/[^/]+/([^/@]+)(/[^/@]+(?=/))?/[^@]*", r"\1/\2\3", row["id"])
+
+
+def _methods(row: Row) -> list[str]:
+    return [row[name] for name in METHODS if name in row]
 
 
 #: Columns that name a row.
@@ -70,10 +95,11 @@ NAMES_OF_ROWS = {"case", "method", "opponent", "joint", "parameter", "id", "targ
 class Tolerances:
     """Which results depend on a network, and how far networks of other seeds and processors differ in them."""
 
-    folders: tuple[str, ...] = ()  # beginnings of the names of tables whose floats all depend on a network
-    tables: frozenset[str] = frozenset()  # names of further tables whose floats all depend on a network
+    folders: tuple[str, ...] = ()  # beginnings of the names of tables that networks or arms simulated again made
+    tables: frozenset[str] = frozenset()  # names of further tables of that kind
     targets: frozenset[str] = frozenset()  # claims about these depend on a network, except those of least squares
     widest: Mapping[tuple[str, str, str], float] = field(default_factory=dict)  # by table, origin and column
+    reproducible: frozenset[Kind] = frozenset()  # classes that are compared as computed, by the hosts of both runs
 
     def kind(self, table: str, row: Row, column: str) -> Kind:
         """Class of the floats in a cell."""
@@ -81,14 +107,35 @@ class Tolerances:
             return Kind.COMPUTED
         if table == LEDGER:
             trained = row["target"] in self.targets and "least-squares" not in row["id"].split("/")
-        else:
-            whole = table in self.tables or table.startswith(self.folders)
-            trained = whole or origin(row).startswith(TRAINED_ORIGINS)
-        return Kind.TRAINED if trained else Kind.COMPUTED
+            return Kind.TRAINED if trained else Kind.COMPUTED
+        methods = _methods(row)
+        if any(name.startswith(TRAINED_ORIGINS) for name in (*methods, origin(row))):
+            return Kind.TRAINED
+        if table not in self.tables and not table.startswith(self.folders):
+            return Kind.COMPUTED
+        return Kind.SIMULATED if methods else Kind.TRAINED
 
     def allowed(self, table: str, row: Row, column: str) -> float:
-        """Largest permitted difference of two trained numbers; NaN where no spread was measured."""
-        return MARGIN * self.widest.get((table, origin(row), column), math.nan)
+        """Largest difference of two numbers that depend on the host; NaN where nothing was measured."""
+        limits = []
+        if self.kind(table, row, column) is Kind.TRAINED:
+            limits = [MARGIN * self.widest[key]] if (key := (table, origin(row), column)) in self.widest else []
+            deviation = _number(row.get(DEVIATION.get(column, ""), ""))
+            limits += [OF_SEEDS * deviation] if deviation else []
+        percent = row.get("unit") == "%"
+        if percent or (_methods(row) and SIMILARITIES.fullmatch(column)):
+            limits.append(100.0 * LARGEST if percent else LARGEST)
+        return min(limits, default=math.nan)
+
+
+def reproducible(a: Mapping[str, str] | None, b: Mapping[str, str] | None) -> frozenset[Kind]:
+    """Classes whose numbers two hosts make to the same bits, by their fingerprints."""
+    if not a or not b or a.keys() != b.keys():
+        return frozenset()
+    apart = differing(a, b)
+    if not apart:
+        return frozenset({Kind.SIMULATED, Kind.TRAINED})
+    return frozenset({Kind.SIMULATED}) if all(name.startswith(OF_NETWORKS) for name in apart) else frozenset()
 
 
 def measured_spread() -> dict[tuple[str, str, str], float]:
@@ -158,7 +205,7 @@ def _judge(
     if not math.isfinite(a - b):
         return kind, 0.0 if str(a) == str(b) else math.inf, 0.0
     allowed = ABSOLUTE + RELATIVE * max(abs(a), abs(b))
-    if kind is Kind.TRAINED:
+    if kind is not Kind.COMPUTED and kind not in tolerances.reproducible:
         measured = tolerances.allowed(table, row, column)
         allowed = measured if math.isnan(measured) else max(allowed, measured)
     return kind, abs(a - b), allowed
@@ -191,12 +238,13 @@ class Compared:
         return any(each.broken for each in self.found)
 
 
-def compare_runs(a: Path, b: Path, tolerances: Tolerances) -> tuple[list[Compared], list[str]]:
-    """Compare every table and recording that both folders have."""
+def compare_runs(a: Path, b: Path, tolerances: Tolerances) -> tuple[list[Compared], tuple[list[str], list[str]]]:
+    """Compare every table and recording that both folders have; name those that only the first or the second has."""
     first, second = _files(a), _files(b)
     if not first & second:
         raise InputError.at(f"{a} and {b}", "no table in common", "two results folders")
-    return [_compare(a, b, name, tolerances) for name in sorted(first & second)], sorted(first ^ second)
+    alone = sorted(first - second), sorted(second - first)
+    return [_compare(a, b, name, tolerances) for name in sorted(first & second)], alone
 
 
 def _files(folder: Path) -> set[str]:
@@ -205,7 +253,7 @@ def _files(folder: Path) -> set[str]:
     for entry in folder.iterdir():
         if entry.is_symlink() and not entry.exists():
             raise InputError.at(str(entry), "a link that leads nowhere", "a folder or a file of a run")
-    found = {path for pattern in ("*.csv", "*/*.csv", *BYTES) for path in folder.glob(pattern)}
+    found = {path for pattern in ("*.csv", "*/*.csv", "*/*/*.csv", *BYTES) for path in folder.glob(pattern)}
     files = {path for path in found if path.relative_to(folder).parts[0] not in LEFT_OUT}
     for path in files:
         if not path.is_file():
@@ -223,7 +271,7 @@ def _compare(a: Path, b: Path, name: str, tolerances: Tolerances) -> Compared:
     return Compared(name, sum(map(len, rows[0])), tuple(differences(name.removesuffix(".csv"), *rows, tolerances)))
 
 
-def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
+def report(compared: Sequence[Compared], alone: Sequence[Sequence[str]], tolerances: Tolerances) -> list[str]:
     """Lines for a reader: a line for each file and class that differs, then the largest of each class."""
     lines = []
     for each in compared:
@@ -231,20 +279,23 @@ def report(compared: Sequence[Compared], alone: Sequence[str]) -> list[str]:
             number = sum(other.kind is d.kind for other in each.found)
             lines.append(f"{each.name}: {_describe(d)}; {number} of {each.cells} cells")
     same = sum(not each.found for each in compared)
-    rest = f", {len(alone) - SHOWN} more" if len(alone) > SHOWN else ""
-    names = f": {', '.join(alone[:SHOWN])}{rest}" if alone else ""
-    lines.append(
-        f"{len(compared)} files compared, {same} the same to the last digit, {len(alone)} in one folder alone{names}"
-    )
+    lines.append(f"{len(compared)} files compared, {same} the same to the last digit")
+    for which, names in zip(("first", "second"), alone, strict=True):
+        rest = f", {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+        lines += [f"{len(names)} in the {which} folder alone: {', '.join(names[:SHOWN])}{rest}"] if names else []
     for kind in Kind:
         own = [(d.rank, f"{each.name}: {_describe(d)}") for each in compared for d in each.largest() if d.kind is kind]
-        lines.append(f"largest {kind}: {max(own, key=lambda entry: entry[0])[1] if own else 'none differs'}")
+        alike = " (as computed: both hosts make the same bits)" if kind in tolerances.reproducible else ""
+        lines.append(f"largest {kind}{alike}: {max(own, key=lambda entry: entry[0])[1] if own else 'none differs'}")
+    unjudged = {each.name: sum(math.isnan(d.allowed) for d in each.found) for each in compared}
+    if names := [name for name, count in unjudged.items() if count]:
+        lines.append(f"not judged, as their spread is not known: {sum(unjudged.values())} cells of {', '.join(names)}")
     broken = [each.name for each in compared if each.broken]
     lines.append(f"broken: {', '.join(broken)}" if broken else "no class is broken")
     return lines
 
 
 def _describe(d: Difference) -> str:
-    allowed = "its spread was not measured" if math.isnan(d.allowed) else f"{d.allowed:.2g} allowed"
+    allowed = "its spread is not known" if math.isnan(d.allowed) else f"{d.allowed:.2g} allowed"
     by = "" if d.kind is Kind.EXACT else f", by {d.size:.2g}"
     return f"{d.kind}: {d.place}: {d.a or 'nothing'} and {d.b or 'nothing'}{by} ({allowed})"

@@ -9,6 +9,9 @@ import numpy as np
 import scipy.fft
 import scipy.linalg
 
+#: Beginning of the names of the probes that networks are made of.
+OF_NETWORKS = "torch"
+
 
 def fingerprint() -> dict[str, str]:
     """First sixteen digits of the SHA-256 of each result's bytes, by its name."""
@@ -62,11 +65,11 @@ def network_fingerprint() -> dict[str, str]:
     assert weight.grad is not None  # just computed
     half = rows.bfloat16()
     return {
-        "torch randn": _digest(x.numpy()),
-        "torch sigmoid": _digest(torch.sigmoid(x).numpy()),
-        "torch matmul": _digest((rows @ rows.mT).numpy()),
-        "torch matmul bfloat16": _digest((half @ half.mT).float().numpy()),
-        "torch conv gradient": _digest(weight.grad.numpy()),
+        f"{OF_NETWORKS} randn": _digest(x.numpy()),
+        f"{OF_NETWORKS} sigmoid": _digest(torch.sigmoid(x).numpy()),
+        f"{OF_NETWORKS} matmul": _digest((rows @ rows.mT).numpy()),
+        f"{OF_NETWORKS} matmul bfloat16": _digest((half @ half.mT).float().numpy()),
+        f"{OF_NETWORKS} conv gradient": _digest(weight.grad.numpy()),
     }
 
 

@@ -1,6 +1,8 @@
 """Classes of numbers, and two runs side by side: what may differ, what may not, and where it is."""
 
+import json
 import os
+from dataclasses import replace
 from importlib import import_module
 
 import pandas as pd
@@ -8,7 +10,19 @@ import pytest
 from experiment_example import ROOT, refused
 
 from repro.cli import main
-from repro.comparison import ABSOLUTE, MARGIN, RELATIVE, Kind, Tolerances, compare_runs, differences, origin
+from repro.comparison import (
+    ABSOLUTE,
+    LARGEST,
+    MARGIN,
+    OF_SEEDS,
+    RELATIVE,
+    Kind,
+    Tolerances,
+    compare_runs,
+    differences,
+    origin,
+    reproducible,
+)
 from repro.exhibits.catalogue import tolerances
 from repro.files import read_csv
 
@@ -81,7 +95,62 @@ def test_a_trained_number_is_judged_by_its_measured_spread():
 
     assert not broken("tables/table10", STEADY, "0.9000000001")  # a number that never differed may be rounded
     assert broken("tables/table10", STEADY, "0.90001")
-    assert not broken("tables/other", SPREAD, "0.1")  # what was not measured is not judged
+    assert broken("tables/other", SPREAD, "0.799")  # of a similarity nothing allows more than `LARGEST`
+    assert not broken("tables/other", SPREAD, "0.801")
+
+
+@pytest.mark.parametrize(
+    ("widest", "deviation", "allowed"),
+    [
+        (0.34, "0.5", LARGEST),  # as on T3, where a similarity scatters so that the spread alone would allow 0.68
+        (0.34, "0.005", OF_SEEDS * 0.005),  # another motion of the same method scatters less
+        (0.02, "0.5", MARGIN * 0.02),
+        (0.02, "0", MARGIN * 0.02),  # one seed has no deviation
+    ],
+)
+def test_the_smallest_limit_of_a_trained_number_is_allowed(widest, deviation, allowed):
+    spread = Tolerances(widest={("tables/table10", "algorithm1", "total"): widest})
+    assert spread.allowed("tables/table10", {**TRAINED, "total_sd": deviation}, "total") == pytest.approx(allowed)
+
+
+def test_of_a_number_whose_scatter_is_not_known_a_difference_is_named_but_not_judged(tmp_path, capsys):
+    loss = [{"step": "1", "test_loss": "0.5"}]
+    a, b = (tmp_path / name for name in "ab")
+    for folder, rows in ((a, loss), (b, [{**loss[0], "test_loss": "0.7"}])):
+        run_of(folder, ROWS)
+        (folder / "coverage").mkdir()
+        (folder / "coverage/other.csv").write_text(pd.DataFrame(rows).to_csv(index=False))
+    assert main(["compare", str(a), str(b)]) == 0
+    assert "not judged, as their spread is not known: 1 cells of coverage/other.csv" in capsys.readouterr().out
+
+
+HOST = {"dot": "1", "torch matmul": "2"}
+
+
+def test_hosts_of_one_fingerprint_make_the_same_bits():
+    other = {**HOST, "torch matmul": "3"}
+    assert reproducible(HOST, HOST) == {Kind.SIMULATED, Kind.TRAINED}
+    assert reproducible(HOST, other) == {Kind.SIMULATED}  # arms are simulated without a network
+    assert not reproducible(HOST, {**HOST, "dot": "3"})
+    assert not reproducible(HOST, {"dot": "1"})  # a run whose networks' probes are not known
+    assert not reproducible(HOST, None)
+
+
+@pytest.mark.parametrize("other", [HOST, {**HOST, "torch matmul": "3"}])
+def test_on_a_host_with_the_same_fingerprint_a_trained_number_is_compared_as_a_computed_one(tmp_path, other):
+    a, b = run_of(tmp_path / "a", ROWS), run_of(tmp_path / "b", changed(0, "total", "0.90001"))
+    for folder, fingerprint in ((a, HOST), (b, other)):
+        (folder / "provenance.json").write_text(json.dumps({"fingerprint": fingerprint}))
+    assert main(["compare", str(a), str(b)]) == int(other == HOST)
+
+
+def test_a_pair_of_methods_without_a_network_does_not_scatter_as_the_trained_pairs_of_its_table():
+    pair = {"method": "bounded", "opponent": "least-squares", "difference": "0.01"}
+    for opponent, kind in (("least-squares", Kind.SIMULATED), ("algorithm1", Kind.TRAINED)):
+        assert tolerances().kind("tables/verdict", {**pair, "opponent": opponent}, "difference") is kind
+    alike = replace(tolerances(), reproducible=frozenset({Kind.SIMULATED}))
+    (difference,) = differences("tables/verdict", [pair], [{**pair, "difference": "0.0100001"}], alike)
+    assert difference.broken
 
 
 @pytest.mark.parametrize(
@@ -91,7 +160,9 @@ def test_a_trained_number_is_judged_by_its_measured_spread():
         ("tables/table06", "algorithm1/one-run", "total", Kind.TRAINED),
         ("tables/table04", "algorithm1", "true", Kind.COMPUTED),
         ("tables/table06", "bounded", "total", Kind.COMPUTED),
-        *((f"{folder}/scores", "bounded", "total", Kind.TRAINED) for folder in ("coverage", "factorial", "spread")),
+        *((f"{folder}/scores", "bounded", "total", Kind.SIMULATED) for folder in ("accepted", "factorial")),
+        ("tables/accepted", "least-squares", "mean_median", Kind.SIMULATED),
+        ("tables/study", "posterior", "validation", Kind.TRAINED),
         # A claim is trained if its table is.
         ("table10", "table10/ID/algorithm1/total/joint1", "ours", Kind.TRAINED),
         ("table10", "table10/ID/algorithm1/total/joint1", "published", Kind.COMPUTED),
@@ -153,10 +224,12 @@ def test_the_command_reports_the_largest_difference_and_ends_with_1_if_a_class_i
 def test_tables_of_one_folder_alone_are_named(tmp_path, capsys, count, rest):
     a, b = (run_of(tmp_path / name, ROWS) for name in ("a", "b"))
     for number in range(count):
-        (b if number == 1 else a).joinpath(f"tables/table0{number}.csv").write_text("x\n1\n")
+        a.joinpath(f"tables/table0{number}.csv").write_text("x\n1\n")
+    b.joinpath("tables/new.csv").write_text("x\n1\n")
     assert main(["compare", str(a), str(b)]) == 0
-    names = ", ".join(f"tables/table0{number}.csv" for number in range(5))
-    assert f"{count} in one folder alone: {names}{rest}" in capsys.readouterr().out
+    names, out = ", ".join(f"tables/table0{number}.csv" for number in range(5)), capsys.readouterr().out
+    assert f"{count} in the first folder alone: {names}{rest}" in out
+    assert "1 in the second folder alone: tables/new.csv\n" in out
     (b / "validation").symlink_to("validation")
     assert main(["compare", str(a), str(b)]) == 2
     assert f"{b / 'validation'}: found a link that leads nowhere" in capsys.readouterr().err
@@ -174,18 +247,18 @@ def test_what_is_no_run_is_one_line(tmp_path, capsys):
 
 
 def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measure):
-    totals = (("0.9", "0.5"), ("0.93", "0.42"), ("0.88", "0.45"))  # of ID and T1
+    totals = (("0.9", "0.5"), ("0.91", "0.46"), ("0.89", "0.49"))  # of ID and T1
     tables = [[*changed(0, "total", first), {**TRAINED, "case": "T1", "total": second}] for first, second in totals]
     runs = [run_of(tmp_path / str(k), rows) for k, rows in enumerate(tables)]
     measured = measure(runs).set_index(["table", "origin", "column"])
     row = measured.loc[("tables/table10", "algorithm1", "total")]
-    assert (row["runs"], row["cells"], row["widest"]) == (3, 2, pytest.approx(0.08))
+    assert (row["runs"], row["cells"], row["widest"]) == (3, 2, pytest.approx(0.04))
     assert list(measured.index) == [("tables/table10", "algorithm1", "total")]
     spread = Tolerances(widest={key: row["widest"] for key, row in measured.iterrows()})
     for a in runs:
         for b in runs:
             assert not any(each.broken for each in compare_runs(a, b, spread)[0])
-    assert spread.allowed("tables/table10", ROWS[0], "total") == pytest.approx(MARGIN * 0.08)
+    assert spread.allowed("tables/table10", ROWS[0], "total") == pytest.approx(MARGIN * 0.04)
 
 
 def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path, measure):
@@ -201,3 +274,47 @@ def test_a_pipe_or_a_large_file_in_a_results_folder_does_not_hang(tmp_path):
     (b / "tables/table02.csv").unlink()
     os.truncate(b / "tables/table10.csv", 2**30)
     assert "size: found" in refused(compare_runs, a, b, Tolerances())
+
+
+REFERENCE = ROOT / "docs/reference"
+
+
+def copied(folder, name, old="", new="", fingerprint=None):
+    """A table of the reference in a folder of its own, one text of it changed, made by a host of this fingerprint."""
+    text = (REFERENCE / name).read_text(encoding="utf-8")
+    assert old in text
+    (folder / name).parent.mkdir(parents=True)
+    (folder / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+    provenance = json.loads((REFERENCE / "provenance.json").read_text(encoding="utf-8"))
+    made = {**provenance, "fingerprint": fingerprint or provenance["fingerprint"]}
+    (folder / "provenance.json").write_text(json.dumps(made), encoding="utf-8")
+    return str(folder)
+
+
+def test_the_reference_agrees_with_itself(capsys):
+    assert main(["compare", str(REFERENCE), str(REFERENCE)]) == 0
+    assert "no class is broken" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("tables/table10.csv", "T2,algorithm1,1,0.9786515822,0.8615521214,0.8431593468", "T2,algorithm1,1,0,0,0.54"),
+        ("tables/table06.csv", "N1,algorithm1,1,0.9989465728", "N1,algorithm1,1,0.9989455728"),
+        ("tables/verdict.csv", "0.01093287508", "0.01193287508"),
+        ("tables/accepted.csv", "0.7994751273", "0.7894751273"),
+        ("study/cells/eq10-wide-0.csv", "0.94146", "0.94246"),
+    ],
+)
+def test_a_changed_digit_of_the_reference_is_named(tmp_path, capsys, name, old, new):
+    a, b = copied(tmp_path / "a", name), copied(tmp_path / "b", name, old, new)
+    assert main(["compare", a, b]) == 1
+    assert f"broken: {name}" in capsys.readouterr().out
+
+
+def test_on_another_host_a_total_of_algorithm_1_may_not_differ_by_0_3(tmp_path, capsys):
+    name, old = "tables/table10.csv", "T2,algorithm1,1,0.9786515822,0.8615521214,0.8431593468"
+    a = copied(tmp_path / "a", name)
+    for total, broken in (("0.5431593468", True), ("0.8331593468", False)):
+        other = copied(tmp_path / total, name, old, old.replace("0.8431593468", total), HOST)
+        assert main(["compare", a, other]) == int(broken)

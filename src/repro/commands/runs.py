@@ -91,10 +91,15 @@ def compare_arguments(parser: argparse.ArgumentParser) -> None:
 
 def compare(arguments: argparse.Namespace) -> int:
     """Compare two runs table by table: the largest difference of each class of number, and where it is."""
-    from repro.comparison import compare_runs, report
-    from repro.exhibits.catalogue import tolerances
+    from dataclasses import replace
 
-    compared, alone = compare_runs(arguments.first, arguments.second, tolerances())
-    for line in report(compared, alone):
+    from repro.comparison import compare_runs, report, reproducible
+    from repro.exhibits.catalogue import tolerances
+    from repro.provenance import recorded_fingerprint
+
+    runs = arguments.first, arguments.second
+    allowed = replace(tolerances(), reproducible=reproducible(*map(recorded_fingerprint, runs)))
+    compared, alone = compare_runs(*runs, allowed)
+    for line in report(compared, alone, allowed):
         print(shown(line))
     return int(any(each.broken for each in compared))

@@ -41,7 +41,7 @@ def tolerances() -> Tolerances:
     """How two runs may differ, by what each exhibit declares and by the measured spread of the networks."""
     # All floats here depend on a network, a random search, or arms that are simulated again: the loop of a light arm is
     # chaotic, so that another last bit moves a score of any method by up to 0.1 (docs/numbers.md).
-    folders = ("model/", "factorial/", "coverage/", "spread/", "accepted/")
+    folders = ("model/", "factorial/", "coverage/", "accepted/", "study/")
     tables = frozenset(f"{each.kind}s/{each.name}" for each in EXHIBITS if each.trained == "all")
     targets = frozenset(("training", *(each.target for each in EXHIBITS if each.trained == "claims")))
     return Tolerances(folders, tables, targets, measured_spread())

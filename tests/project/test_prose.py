@@ -1,0 +1,320 @@
+"""Numbers in the sentences of the pages are those of the reference tables.
+
+Each phrase has places for its numbers; with the numbers of the tables it must stand in its page. Whoever changes a
+sentence changes its phrase here.
+"""
+
+import re
+
+import pandas as pd
+import pytest
+from experiment_example import ROOT
+
+REFERENCE = ROOT / "docs/reference"
+EXPERIMENT, STUDY, COVERAGE = (f"docs/explanation/{name}.md" for name in ("experiment", "study", "least-squares"))
+
+
+def table(name):
+    return pd.read_csv(REFERENCE / f"tables/{name}.csv")
+
+
+def row(name, **where):
+    frame = table(name)
+    for column, value in where.items():
+        frame = frame[frame[column] == value]
+    (found,) = frame.to_dict("records")
+    return found
+
+
+def percents(of, *columns):
+    return [100 * of[column] for column in columns]
+
+
+def accepted(method, guesses, *columns):
+    found = row("accepted", unit="all", method=method, guesses=guesses)
+    return percents(found, *(columns or ("mean_median",)))
+
+
+def pair(method, opponent):
+    found = percents(row("verdict", method=method, opponent=opponent), "difference", "low", "high")
+    return found if found[0] > 0 else [-found[0], -found[2], -found[1]]
+
+
+def recipe(method):
+    """Mean of N1 to N4, of ID, and of T1 to T4."""
+    totals = table("paper_recipe").query("method == @method").groupby("case")["total"].mean()
+    groups = (["N1", "N2", "N3", "N4"], ["ID"], ["T1", "T2", "T3", "T4"])
+    return [100 * totals[group].mean() for group in groups]
+
+
+def unknown(name):
+    found = row("unknowns", unknown=name)
+    return found["low"], found["high"]
+
+
+def cells(**where):
+    found = row("factorial_cells", metric="mean-square", **where)
+    return [100 * found["validation"]]
+
+
+def effect(of, name):
+    """Main effect on T1 to T4 with the mean square, and over both metrics."""
+    main, with_metric = (
+        100 * row("factorial", of=of, effect=each, response="validation")["value"]
+        for each in (name, f"{name} x metric")
+    )
+    return main - with_metric, main
+
+
+def shares(kind, level, column="calibrated"):
+    """Lowest and highest share of covered arms over the parameters, and of all nine at once."""
+    frame = table("coverage").query("arms == @kind and level == @level").set_index("parameter")[column]
+    single = frame.drop("all nine")
+    return 100 * single.min(), 100 * single.max(), 100 * frame["all nine"]
+
+
+MAP = pd.read_csv(REFERENCE / "figures/study.csv")
+LOSSES = 100 * MAP.query("method == 'algorithm1' and opponent == 'ordinary'")["difference"]
+
+
+def gain(**condition):
+    """Difference of posterior and consistent least squares in one condition of the study."""
+    found = MAP.query("method == 'posterior' and opponent == 'consistent'")
+    for factor, level in condition.items():
+        found = found[found[factor] == level]
+    return percents(found.iloc[0], "difference", "low", "high")
+
+
+WIDTH = table("coverage").query("arms == 'unmodelled' and level == 0.95").set_index("parameter")
+NUMERIC, VALIDATION = (100 * table(name).groupby("method")["total"].mean() for name in ("table06", "table07"))
+SEARCHED = ("algorithm1+refinement", "algorithm1+local-search", "differential-evolution")
+SCORES = pd.read_csv(REFERENCE / "validation/experiment.csv").query("method in @SEARCHED")
+APART = 100 * SCORES.groupby(["seed", "case", "joint"])["total"].agg(lambda of: of.max() - of.min()).max()
+#: Mean total over T1 to T4 of the accepted experiments with the default unit, a column for each method.
+OVER = pd.read_csv(REFERENCE / "accepted/methods.csv").query("case != 'ID'")
+OVER = 100 * OVER.groupby(["experiment", "method"])["total"].mean().unstack()
+SEARCH, MEDIAN = OVER["differential-evolution"], OVER.median()
+HYPOTHESES = table("hypotheses").query("tracking == 'printed'").groupby("unit")[["accepted", "starts"]].sum()
+BACK_EMF = table("hypotheses").groupby("back_emf_in_b")["accepted"].sum()
+CLAIMS = pd.read_csv(REFERENCE / "claims.csv").set_index("id")
+TRACED = CLAIMS.loc["table10/T3/algorithm1/total/joint2"]
+CHOSEN = {name: row("metric_search", factor=name, chosen=True) for name in ("time", "frequency")}
+MOTION = row("metric_motions", chosen=True)
+MILLION, DETAILED = 1_000_000, ("algorithm1", "algorithm1+desired", "algorithm1+tracked-measured")
+PLAIN = {
+    training: row("factorial_cells", reader="plain", training=training, metric="mean-square")
+    for training in ("ideal", "tracked")
+}
+
+PHRASES = [
+    ("README.md", "torque is {:.1f} % similar to the true one", [NUMERIC["algorithm1"]]),
+    ("README.md", "It is {:.1f} % similar on the validation motion", [VALIDATION["algorithm1"]]),
+    ("README.md", "Least squares has {:.1f} % on the same signals", [NUMERIC["least-squares"]]),
+    (
+        "README.md",
+        "{:.1f} %, with the printed ranges as well {:.1f} %",
+        [recipe(f"algorithm1+paper-recipe{ranges}")[0] for ranges in ("", "-ranges")],
+    ),
+    (
+        "README.md",
+        "{:.0f} % with 100,000 guesses, and {:.0f} % with a million",
+        [*accepted("algorithm1", 100_000), *accepted("algorithm1", MILLION)],
+    ),
+    ("README.md", "A direct search on the same similarity has {:.0f} %", [SEARCH.median()]),
+    (
+        "README.md",
+        "beats plain least squares in {} of {} experiments",
+        [row("accepted", unit="all", method="bounded")[name] for name in ("wins", "experiments")],
+    ),
+    (
+        "README.md",
+        "95 % interval of the share of such experiments: {:.0f} to {:.0f} %",
+        accepted("algorithm1", 100_000, "wins_low", "wins_high"),
+    ),
+    (
+        "README.md",
+        "by {:.0f} points of similarity over 23 experiments (simultaneous 95 % interval: {:.0f} to {:.0f})",
+        pair("algorithm1", "least-squares"),
+    ),
+    (
+        "README.md",
+        "{:.1f} points better than plain least squares ({:.1f} to {:.1f})",
+        pair("algorithm1+local-search", "least-squares"),
+    ),
+    (
+        "README.md",
+        "has {:.0f} % on T1 to T4. With the desired motion in the torque f of line 18 it has {:.0f} %, "
+        "and with training on closed-loop motions {:.0f} %",
+        [value for method in DETAILED for value in accepted(method, MILLION)],
+    ),
+    (
+        COVERAGE,
+        "plain least squares has a median of {:.1f} % on T1 to T4",
+        [MEDIAN["least-squares"]],
+    ),
+    (
+        COVERAGE,
+        "sign constraint {:.1f}, physically consistent {:.1f}, and the true parameters {:.1f}",
+        [MEDIAN[name] for name in ("bounded", "consistent", "true")],
+    ),
+    (
+        COVERAGE,
+        "better in {} of {} experiments",
+        [(OVER["bounded"] > OVER["least-squares"]).sum(), len(OVER)],
+    ),
+    (COVERAGE, "central 50 % range covers {:.0f} to {:.0f} % of the arms", shares("unmodelled", 0.5, "raw")),
+    *(
+        (
+            COVERAGE,
+            f"| {words} | {{:.0f}} to {{:.0f}} % | {{:.0f}} % | {{:.0f}} to {{:.0f}} % | {{:.0f}} % |",
+            [*shares(kind, 0.95), *shares(kind, 0.9)],
+        )
+        for words, kind in (
+            ("like those that calibrate", "unmodelled"),
+            ("of the second generator", "other generator"),
+            ("of Eq. 1 alone, without unmodelled torque", "Eq. 1"),
+        )
+    ),
+    (
+        COVERAGE,
+        "Half widths are {:.2f} to {:.2f} of the largest torque at 95 %. The intervals remove {:.0f} to {:.0f} % of "
+        "the variance of g1, g2, b1 and k2 over the arms, {:.0f} % for b2 and {:.0f} % for k1",
+        [
+            *(WIDTH["width"].min(), WIDTH["width"].max()),
+            *(100 * WIDTH["contraction"][["g1", "g2", "b1", "k2"]].agg(["min", "max"])),
+            *(100 * WIDTH["contraction"][["b2", "k1"]]),
+        ],
+    ),
+    (EXPERIMENT, "printed order {} of {} starts are accepted", HYPOTHESES.loc["index"]),
+    (EXPERIMENT, "with rad/s {} of {}.", HYPOTHESES.loc["rad_per_s"]),
+    (EXPERIMENT, "{} of the {}, and the one with the smallest misfit", [BACK_EMF[True], BACK_EMF.sum()]),
+    (EXPERIMENT, "(100 is the printed c_f) | {:.1f} to {:.0f} |", unknown("t1_bands")),
+    (EXPERIMENT, "| amplitude of T4, joint 1, rad | {:.2f} to {:.2f} |", unknown("t4_amplitude1")),
+    (EXPERIMENT, "| ripple of joint 1, N m | {:.2f} to {:.2f} |", unknown("ripple1")),
+    (EXPERIMENT, "| k1, N m | {:.2f} to {:.2f} |", unknown("k1")),
+    (EXPERIMENT, "| duration of ID, s | {:.1f} to {:.1f} |", unknown("duration_s")),
+    (EXPERIMENT, "10⁵ guesses its median is {:.1f} %", accepted("algorithm1", 100_000)),
+    (EXPERIMENT, "On ID it has {:.1f} and {:.1f} % then", accepted("algorithm1", MILLION, "id1_median", "id2_median")),
+    (
+        EXPERIMENT,
+        "| 10⁶ | 1 | {:.1f} | {:.1f} | {:.1f} |",
+        [value for method in DETAILED for value in accepted(method, MILLION)],
+    ),
+    (
+        EXPERIMENT,
+        "{:.1f} estimates in 10⁶ meet the threshold instead of {:.1f}, and joint 1 on ID has {:.1f} %",
+        [
+            *(row("accepted", unit="all", method=method, guesses=MILLION)["met"] for method in DETAILED[2::-2]),
+            *accepted(DETAILED[2], MILLION, "id1_median"),
+        ],
+    ),
+    (
+        EXPERIMENT,
+        "have {:.1f} % on T1 to T4 over {} experiments ({:.1f} to {:.1f})",
+        [SEARCH.median(), len(SEARCH), SEARCH.min(), SEARCH.max()],
+    ),
+    (
+        EXPERIMENT,
+        "The true parameters have {:.1f} % ({:.1f} to {:.1f}) on T1 to T4",
+        accepted("true", 0, "mean_median", "mean_low", "mean_high"),
+    ),
+    (
+        EXPERIMENT,
+        "({:.1f} points on T1 to T4, {:.1f} over both metrics). As listed Algorithm 1 has {:.1f} % over the 23 "
+        "experiments, with closed-loop training {:.1f}",
+        [
+            *effect("cnn", "training"),
+            *cells(reader="cnn", image_motion="measured", training="ideal"),
+            *cells(reader="cnn", image_motion="measured", training="tracked"),
+        ],
+    ),
+    (EXPERIMENT, "desired motion in line 18 is a cause** ({:.1f} points)", effect("cnn", "image_motion")[:1]),
+    (EXPERIMENT, "network with its training is a cause** ({:.1f} points)", effect("reader", "reader")[:1]),
+    (
+        EXPERIMENT,
+        "plain network has {:.1f} % trained on Eq. 10 and {:.1f} % on closed-loop motions",
+        [100 * PLAIN[training]["validation"] for training in ("ideal", "tracked")],
+    ),
+    (
+        EXPERIMENT,
+        "least squares on T1 to T4 ({:.1f} %), with the sign constraint {:.1f} %",
+        [*cells(reader="ordinary"), *cells(reader="bounded")],
+    ),
+    *(
+        ("docs/explanation/network.md", f"| {words} | {{:.2f}} | {{:.1f}} | {{:.1f}} |", recipe(method))
+        for words, method in (
+            ("ours", "algorithm1"),
+            ("schedule as printed, our ranges", "algorithm1+paper-recipe"),
+            ("schedule and ranges as printed", "algorithm1+paper-recipe-ranges"),
+        )
+    ),
+    (
+        "docs/explanation/algorithm1.md",
+        "mean of the eight medians is {:.2f} % on ID and {:.2f} % on validation",
+        [of["algorithm1+refinement"] for of in (NUMERIC, VALIDATION)],
+    ),
+    ("docs/explanation/algorithm1.md", "all three end within {:.2f} points of each other in every seed", [APART]),
+    (
+        "docs/explanation/metric.md",
+        "Its rms log error is {:.3f}, the sixth of 175, and the rank is between {} and {}",
+        [CHOSEN["frequency"][name] for name in ("rms_log_error_best", "rank_low", "rank_high")],
+    ),
+    (
+        "docs/explanation/metric.md",
+        "| rms log error against Table 7, best motion | {:.3f} ({}nd of 37)",
+        [CHOSEN["time"]["rms_log_error_best"], CHOSEN["time"]["rank"]],
+    ),
+    (
+        "docs/explanation/metric.md",
+        "| rms log error at 12,000 samples | {:.3f} | {:.3f} |",
+        [MOTION["rms_log_error_mean_square"], MOTION["rms_log_error_energy"]],
+    ),
+    (
+        "docs/explanation/metric.md",
+        "(abstract: over 97.38 %) | {:.3f} %",
+        [100 * CHOSEN["time"]["abstract_mean_total"]],
+    ),
+    (
+        "docs/explanation/model-and-signals.md",
+        "| 12,000 samples, band number | {:.1f} | {:.2f} to {:.1f} | {} of 8 | {:.3f} |",
+        [
+            MOTION[name]
+            for name in ("bandwidth", "mean_square_low", "mean_square_high", "bounds_satisfied", "rms_log_error_pair")
+        ],
+    ),
+    ("docs/results.md", "The mean is {:.2f} %, published 97.45 %", [VALIDATION["algorithm1"]]),
+    (
+        "docs/evaluate-in-60-minutes.md",
+        "The reference has {:.2f} % with a 95 % prediction interval of +-{:.0f} points",
+        [TRACED["ours"], TRACED["tolerance"]],
+    ),
+    (
+        STUDY,
+        "Over all conditions the two are equal ({:.1f}, {:.1f} to {:.1f})",
+        percents(row("study_claims", claim="constrained"), "difference", "low", "high"),
+    ),
+    (STUDY, "in 36 of 36 conditions, by {:.0f} to {:.0f} points", [-LOSSES.max(), -LOSSES.min()]),
+    (
+        STUDY,
+        "largest gains are {:.1f} ({:.1f} to {:.1f}) (half pace, 90 %, narrow prior, halved friction) and "
+        "{:.1f} ({:.1f} to {:.1f}) (half pace, 94 %, narrow prior, doubled friction)",
+        [
+            *gain(excitation="slow", discrepancy=0.9, prior="narrow", friction=0.5),
+            *gain(excitation="slow", discrepancy=0.94, prior="narrow", friction=2.0),
+        ],
+    ),
+    (
+        STUDY,
+        "significantly better than consistent least squares in {} of {} conditions",
+        [row("study_claims", claim="constrained")[name] for name in ("better", "conditions")],
+    ),
+]
+
+
+@pytest.mark.parametrize(("page", "phrase", "numbers"), PHRASES, ids=[f"{page}: {text}" for page, text, _ in PHRASES])
+def test_numbers_of_a_sentence_are_those_of_the_tables(page, phrase, numbers):
+    text = " ".join((ROOT / page).read_text(encoding="utf-8").split())
+    expected = phrase.format(*numbers)
+    found = re.search(re.sub(r"\\\{[^}]*\\\}", r"([-+.\\d]+)", re.escape(phrase)), text)
+    assert found is not None, f"{page}: no sentence {phrase!r}"
+    assert expected in text, f"{page}: found {found[0]!r}, expected {expected!r}"
