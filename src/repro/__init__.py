@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from repro.board.capture import read_capture
     from repro.cnn.image import images
-    from repro.cnn.network import load_network
+    from repro.cnn.network import estimate_residuals, load_network
     from repro.errors import InputError
     from repro.fitting.api import Identification, identify
     from repro.identification.algorithm1.search import SearchSettings, algorithm1
@@ -37,6 +37,7 @@ _PUBLIC = {
     "SignalSettings": ("repro.signals.dct", "SignalSettings"),
     "algorithm1": ("repro.identification.algorithm1.search", "algorithm1"),
     "differentiate": ("repro.signals.dct", "dct2dev"),
+    "estimate_residuals": ("repro.cnn.network", "estimate_residuals"),
     "excite": ("repro.identification.exciting_motion", "excite"),
     "identify": ("repro.fitting.api", "identify"),
     "images": ("repro.cnn.image", "images"),
@@ -66,6 +67,7 @@ __all__ = [  # noqa: RUF022  (by use)
     "differentiate",
     "images",
     "load_network",
+    "estimate_residuals",
     "algorithm1",
     "SearchSettings",
     "SignalSettings",

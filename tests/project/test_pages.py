@@ -49,7 +49,7 @@ def test_each_benchmark_is_listed_and_what_it_imports_is_there(monkeypatch):
 
 
 def test_each_page_is_in_the_navigation_of_the_site():
-    shown = re.findall(r": (\S+\.md)$", (ROOT / "docs/mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+    shown = re.findall(r"[:-] (\S+\.md)$", (ROOT / "docs/mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
     pages = {page.relative_to(ROOT).as_posix() for page in PAGES} - {"benchmarks/README.md"}
     assert pages <= set(shown)
     assert not [page for page in shown if not (ROOT / page).is_file()]
