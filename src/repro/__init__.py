@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from repro.signals.dct import dct2low as low_pass
     from repro.signals.metric import metr2ev as similarity
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 #: Module and name of each public object.
 _PUBLIC = {
