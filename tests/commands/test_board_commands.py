@@ -235,7 +235,7 @@ def test_a_disk_that_fills_up_loses_no_byte(tmp_path, capsys, limit_files, monke
     assert list(tmp_path.iterdir()) == [raw]
     assert raw.read_bytes() == FRAMES
     line = line_about(tmp_path, capsys)
-    assert line.startswith(f"{tmp_path / 'T4.bin'}: found File too large")
+    assert line.startswith(f"{tmp_path / 'T4.bin'}: found file too large")
     assert line.endswith(f"the {len(FRAMES)} bytes received are in {raw}")
 
 
