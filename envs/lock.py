@@ -31,7 +31,7 @@ def resolve(python: str) -> dict[str, str]:
     command += [f"--python-version={python}", "pyproject.toml"]
     environment = {name: value for name, value in os.environ.items() if not name.startswith("UV_")}
     text = subprocess.check_output(command, cwd=ROOT, env=environment, text=True)
-    packages = re.split(r"\n(?=\w)", text.strip().replace("repro (pyproject.toml)", "repro"))
+    packages = re.split(r"\n(?=\w)", text.strip().replace("repro-arm (pyproject.toml)", "repro-arm"))
     named = {package.partition("==")[0]: package for package in packages}
     if len(named) < len(packages):
         sys.exit("error: pyproject.toml: found a package of which two Pythons need two versions, expected one for all")
@@ -49,21 +49,8 @@ def needed_by(requirements: Iterable[str], packages: dict[str, str]) -> set[str]
     return found
 
 
-def render(pins: dict[str, Pin], pythons: Iterable[str], file: str) -> str:
-    """Write pins as a requirements file, in the order of their names."""
-    title, command = HEADERS[file]
-    lines = [f"# {title}", f"# Made by `make lock` for Python {', '.join(pythons)}; install with", f"#   {command}"]
-    for name, pin in pins.items():
-        marker = ""
-        if pin.pythons != set(pythons):
-            marker = " ; " + " or ".join(f'python_version == "{python}"' for python in sorted(pin.pythons))
-        lines.append(" \\\n    ".join([f"{name}=={pin.version}{marker}", *(f"--hash={h}" for h in sorted(pin.hashes))]))
-        lines.append(f"    # via {', '.join(sorted(pin.wanted_by & {*pins, 'repro-arm'}))}")
-    return "\n".join(lines) + "\n"
-
-
-def main(interpreters: Sequence[str]) -> None:
-    """Resolve with every interpreter named and write the locks."""
+def main() -> None:
+    """Resolve the project and write the locks."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras, pythons = project["optional-dependencies"], project["requires-python"]
     packages = resolve(re.findall(r"[\d.]+", pythons)[0])
