@@ -229,9 +229,13 @@ def options(name: str, command: argparse.ArgumentParser) -> str:
 
 
 def api() -> str:
-    """Signature and docstring of every public name, and of the methods of a result."""
-    methods = [(f"Identification.{name}", member) for name, member in public(repro.Identification)]
-    return "\n\n".join(described(name, what) for name, what in [*public(repro), *methods])
+    """Heading, signature and docstring of every public name, each followed by its methods."""
+    parts = []
+    for name, what in public(repro):
+        parts.append(described(name, what, "##"))
+        if what is repro.Identification:
+            parts += [described(f"{name}.{member}", each, "###") for member, each in public(what)]
+    return "\n\n".join(parts)
 
 
 def public(of: object) -> list[tuple[str, object]]:
@@ -241,26 +245,56 @@ def public(of: object) -> list[tuple[str, object]]:
     return [(name, each) for name, each in members if callable(each) or isinstance(each, property)]
 
 
-def described(name: str, what: object) -> str:
-    """One name: heading, parameters with their defaults, docstring."""
-    shown = name
+def described(name: str, what: object, heading: str) -> str:
+    """One name: heading, call with its defaults, and the sections of its docstring."""
+    parts = [f"{heading} {name}"]
     if inspect.isroutine(what) or what in (repro.Arm, repro.Log):
         signature = inspect.signature(what)
         bare = [each.replace(annotation=each.empty) for each in signature.parameters.values() if each.name != "self"]
-        shown += str(signature.replace(parameters=bare, return_annotation=signature.empty))
-    return f"## {name}\n\n```text\n{shown}\n\n{inspect.getdoc(what)}{fields(what)}\n```"
+        call = name + str(signature.replace(parameters=bare, return_annotation=signature.empty))
+        parts.append(f"```pycon\n{call}\n```")
+    opening, *sections = SECTION.split(inspect.getdoc(what) or "")
+    parts.append(prose(opening))
+    for title, body in zip(sections[::2], sections[1::2], strict=True):
+        shown = examples(body) if title == "Examples" else items(body)
+        parts.append(f"**{title}**\n\n{shown}")
+    return "\n\n".join([*parts, *settings_fields(what)])
 
 
-def fields(what: object) -> str:
-    """Fields of a class of settings, each with its default, its unit and the meaning of its key."""
+def prose(text: str) -> str:
+    """Text of a docstring as Markdown: literals, and links from public names to their headings."""
+    text = text.strip().replace("``", "`")
+    return PUBLIC_NAME.sub(lambda match: f"[`{match[1]}`](#{match[1].lower()})", text)
+
+
+def items(body: str) -> str:
+    """Entries of a section of numpydoc as a list: name, type, and the indented meaning."""
+    lines = []
+    for head, meaning in re.findall(r"^(\S.*)\n((?:[ ]+.*(?:\n|$)|\n)*)", f"{body.strip()}\n", re.MULTILINE):
+        name, _, kind = head.partition(" : ")
+        kind = re.sub(rf"\b({'|'.join(repro.__all__)})\b", lambda match: f"[{match[1]}](#{match[1].lower()})", kind)
+        said = prose(" ".join(meaning.split()))
+        shown = prose(f"`{name}`") if name in repro.__all__ else f"`{name}`"
+        lines.append(f"- {shown}{f' ({kind})' if kind else ''}{f': {said}' if said else ''}")
+    return "\n".join(lines)
+
+
+def examples(body: str) -> str:
+    """Text between examples as text, each run of prompts with its output as a block."""
+    blocks = [block.strip("\n") for block in body.strip("\n").split("\n\n")]
+    return "\n\n".join(f"```pycon\n{block}\n```" if block.startswith(">>>") else prose(block) for block in blocks)
+
+
+def settings_fields(what: object) -> list[str]:
+    """Table of the fields of a class of settings, from their keys; empty for anything else."""
     if what not in (repro.SearchSettings, repro.SignalSettings):
-        return ""
-    lines = ["", "", "Fields", "------"]
+        return []
+    rows = []
     for field in dataclasses.fields(cast(Any, what)):
         (key,) = [each for each in getattr(field.type, "__metadata__", ()) if isinstance(each, Key)] or [NOT_PUBLIC]
-        unit = f" ({key.unit})" if key.unit else ""
-        lines += [f"{field.name} = {field.default!r}", f"    {key.meaning}{unit}"]
-    return "\n".join(lines)
+        default = "" if key is NOT_PUBLIC else f"`{field.default!r}`"
+        rows.append([f"`{field.name}`", default, key.unit or "", key.meaning])
+    return [markdown(["field", "default", "unit", "meaning"], rows)]
 
 
 COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_file, commands, api)
@@ -272,6 +306,10 @@ TABLES |= {
         *("study_claims", "study_expectations", "study_levels"),
     )
 }
+#: Title of a section of numpydoc, and the line below it.
+SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
+#: A public name as a docstring refers to it.
+PUBLIC_NAME = re.compile(rf"(?<![`\w])`({'|'.join(repro.__all__)})`")
 #: Of a field that no section of the configuration has.
 NOT_PUBLIC = Key("not public: leave it out")
 MARKED = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)

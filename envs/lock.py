@@ -31,7 +31,7 @@ def resolve(python: str) -> dict[str, str]:
     command += [f"--python-version={python}", "pyproject.toml"]
     environment = {name: value for name, value in os.environ.items() if not name.startswith("UV_")}
     text = subprocess.check_output(command, cwd=ROOT, env=environment, text=True)
-    packages = re.split(r"\n(?=\w)", text.strip().replace("repro (pyproject.toml)", "repro"))
+    packages = re.split(r"\n(?=\w)", text.strip().replace("repro-arm (pyproject.toml)", "repro-arm"))
     named = {package.partition("==")[0]: package for package in packages}
     if len(named) < len(packages):
         sys.exit("error: pyproject.toml: found a package of which two Pythons need two versions, expected one for all")

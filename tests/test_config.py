@@ -196,6 +196,8 @@ BAD = {
     "signals: {sampling_period_s: 0.002}": ("signals.sampling_period_s", "0.002", "0.0025 s, the board's clock"),
     "experiment: {duration_s: 0.2}": ("experiment.duration_s", "0.2", "image_samples (100)"),
     "coverage: {levels: [0.9, 0.5]}": ("coverage.levels", "[0.9, 0.5]", "rising shares"),
+    "training: {steps: 2e3}": ("training.steps", "'2e3'", "an integer, written 2000"),
+    "signals: {filter_coefficient: 2e-4}": ("signals.filter_coefficient", "'2e-4'", "a number, written 0.0002"),
     "coverage: {levels: [1.0]}": ("coverage.levels[0]", "1.0", "less than 1"),
     "coverage: {levels: [0.999]}": ("coverage.levels", "[0.999]", "0.9967 at most"),
     "experiment: {lead_in_s: 100.0}": ("experiment.lead_in_s", "100.0", "one sampling period"),

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import repro
-from repro.errors import InputError, shown
+from repro.errors import InputError, one_of, shown
 
 HOSTILE = ["\x1b[31mred", "a\nb", "\u202edesrever", "bell\x07", "\x9b2J", "\u2028line", "\r\x1b]0;title\x07"]
 
@@ -35,3 +35,16 @@ def test_names_of_columns_arms_and_files_reach_no_terminal_as_they_are(tmp_path,
         log = repro.read_log(path)
         assert log.name.isprintable()
         assert str(repro.identify(path, method="bounded")).replace("\n", "").isprintable()
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        ("zeros", "zero, or one of 2 others"),
+        ("ls", "least-squares, or one of 2 others"),
+        ("red", "one of zero, sign, least-squares"),
+        (3, "one of zero, sign, least-squares"),
+    ],
+)
+def test_the_name_that_was_meant_is_proposed(found, expected):
+    assert one_of(["zero", "sign", "least-squares"], found) == expected

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from repro.board.capture import read_capture
     from repro.cnn.image import images
-    from repro.cnn.network import load_network
+    from repro.cnn.network import estimate_residuals, load_network
     from repro.errors import InputError
     from repro.fitting.api import Identification, identify
     from repro.identification.algorithm1.search import SearchSettings, algorithm1
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from repro.signals.dct import dct2low as low_pass
     from repro.signals.metric import metr2ev as similarity
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 #: Module and name of each public object.
 _PUBLIC = {
@@ -37,6 +37,7 @@ _PUBLIC = {
     "SignalSettings": ("repro.signals.dct", "SignalSettings"),
     "algorithm1": ("repro.identification.algorithm1.search", "algorithm1"),
     "differentiate": ("repro.signals.dct", "dct2dev"),
+    "estimate_residuals": ("repro.cnn.network", "estimate_residuals"),
     "excite": ("repro.identification.exciting_motion", "excite"),
     "identify": ("repro.fitting.api", "identify"),
     "images": ("repro.cnn.image", "images"),
@@ -66,6 +67,7 @@ __all__ = [  # noqa: RUF022  (by use)
     "differentiate",
     "images",
     "load_network",
+    "estimate_residuals",
     "algorithm1",
     "SearchSettings",
     "SignalSettings",

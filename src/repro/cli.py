@@ -14,7 +14,7 @@ from typing import NoReturn
 
 from repro import __version__, contract
 from repro.commands import boards, excite, identify, runs
-from repro.errors import InputError, end_by_exception
+from repro.errors import InputError, end_by_exception, failure, one_of
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
 _UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
@@ -37,6 +37,10 @@ class OneLineParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print the line and exit with code 2."""
         self.exit(2, f"{self.prog}: {message} (all options: {self.prog} --help)\n")
+
+    def _check_value(self, action: argparse.Action, value: object) -> None:
+        if action.choices is not None and value not in action.choices:
+            raise argparse.ArgumentError(action, f"found {value!r}, expected {one_of(map(str, action.choices), value)}")
 
 
 def parser() -> argparse.ArgumentParser:
@@ -64,7 +68,11 @@ def _check(arguments: Sequence[str]) -> None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a subcommand."""
     try:
-        _check(sys.argv[1:] if argv is None else argv)
+        argv = sys.argv[1:] if argv is None else argv
+        _check(argv)
+        if not argv:
+            parser().print_help(sys.stderr)
+            return 2
         arguments = parser().parse_args(argv)
         end_by_exception()
         contract.hold(os.environ)
@@ -85,6 +93,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         if isinstance(error, BrokenPipeError):  # whoever read our output has seen enough
             return 1
         place = str(error.filename or "output")[:200]
-        print(InputError.at(place, error.strerror or str(error), "what can be read or written"), file=sys.stderr)
+        print(InputError.at(place, failure(error), "what can be read or written"), file=sys.stderr)
         return 2
     return code

@@ -12,7 +12,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
-from repro.errors import InputError
+from repro.errors import InputError, failure, one_of
 
 #: Largest YAML and JSON file, bytes. YAML is read at about 50 kB/s.
 LARGEST_YAML, LARGEST_JSON = 256 << 10, 512 << 10
@@ -24,6 +24,8 @@ MOST_VALUES = 300_000
 MOST_DIGITS = 18
 
 _INTEGER = re.compile(rf"[-+]?(0|[1-9][0-9]{{0,{MOST_DIGITS - 1}}})")
+#: What YAML 1.1, also as Snakemake reads it, takes for text: it wants a point and a sign.
+_POWER_OF_TEN = re.compile(r"[-+]?[0-9]+(?:\.[0-9]*)?[eE][-+]?[0-9]{1,3}")
 _DIGITS = f"{MOST_DIGITS} decimal digits at most"
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _TOO_DEEP = ("lists within lists without end", f"at most {DEEPEST} within each other")
@@ -36,7 +38,7 @@ def read_bytes(path: Path, most: int, expected: str) -> bytes:
         with path.open("rb") as file:
             content = file.read(most + 1)  # files of /proc have no size
     except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", expected) from error
+        raise InputError.at(str(path), failure(error), expected) from error
     if len(content) > most:
         raise _too_large(path, len(content), most)
     return content
@@ -46,7 +48,7 @@ def check_size(path: Path, most: int, expected: str) -> int:
     """Size of a file; refuse what is not a regular file of at most `most` bytes."""
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
-        raise InputError.at(str(path), "Is a directory", expected)
+        raise InputError.at(str(path), "a folder", expected)
     if not stat.S_ISREG(status.st_mode):
         raise InputError.at(str(path), "a pipe or a device", expected)
     if status.st_size > most:
@@ -255,7 +257,7 @@ def first_error(invalid: ValidationError, section: Any) -> tuple[Place, object, 
     found = repr(error["input"])[:60]
     match kind:
         case "extra_forbidden" | "unexpected_keyword_argument":
-            found, expected = "an unknown key", f"one of {', '.join(_fields(inner))}"
+            found, expected = "an unknown key", one_of(_fields(inner), place[-1])
         case "literal_error" if place[-1] == "[key]":
             place, found, expected = place[:-1], "an unknown key", f"one of {limits['expected']}"
         case "literal_error":
@@ -269,6 +271,9 @@ def first_error(invalid: ValidationError, section: Any) -> tuple[Place, object, 
             expected = f"{stated} ({limit})" if stated else limit
         case _:
             expected = stated or _EXPECTED[kind].format(**limits) if kind in _EXPECTED else error["msg"]
+            power = kind in ("int_type", "float_type") and _POWER_OF_TEN.fullmatch(str(error["input"]))
+            if power and (kind == "float_type" or float(error["input"]).is_integer()):
+                expected += f", written {float(error['input']):.{MOST_DIGITS - 1}g}"
     return place, found, expected
 
 

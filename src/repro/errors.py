@@ -1,8 +1,11 @@
 """The one exception a user is meant to read, and how signals become exceptions."""
 
+import re
 import signal
 import sys
 import threading
+from collections.abc import Iterable
+from difflib import get_close_matches
 from importlib.util import find_spec
 
 
@@ -29,6 +32,20 @@ class InputError(ValueError):
     def at(cls, place: str, found: object, expected: str) -> "InputError":
         """Build the message ``place: found ..., expected ...``."""
         return cls(f"{place}: found {found}, expected {expected}")
+
+
+def one_of(known: Iterable[str], found: object) -> str:
+    """State what is expected: the known name that is closest to what was found or has its initials, else all names."""
+    names = list(known)
+    initials = [name for name in names if "".join(part[:1] for part in re.split(r"\W+", name)) == found]
+    close = get_close_matches(str(found), names, n=1, cutoff=0.75) or initials[:1]
+    return f"{close[0]}, or one of {len(names) - 1} others" if close else f"one of {', '.join(names)}"
+
+
+def failure(error: OSError) -> str:
+    """Name what the operating system refused, as part of a sentence."""
+    text = error.strerror or str(error) or "an unreadable file"
+    return text[0].lower() + text[1:]
 
 
 def option(name: str, value: str = "") -> str:

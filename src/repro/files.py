@@ -17,7 +17,7 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
 from repro.documents import read_bytes
-from repro.errors import InputError, option
+from repro.errors import InputError, failure, option
 
 #: Disk space that `check_folder` tests, bytes: more than a usual result needs.
 _FREE_SPACE = 8 << 20
@@ -55,7 +55,7 @@ def writing(place: Path | str) -> Iterator[None]:
         yield
     except OSError as error:
         expected = "a place that can be written, with room"
-        raise InputError.at(str(place), error.strerror or str(error), expected) from error
+        raise InputError.at(str(place), failure(error), expected) from error
 
 
 def check_folder(out: Path, overwrite: bool) -> None:

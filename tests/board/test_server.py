@@ -161,7 +161,7 @@ def test_a_link_is_made_and_removed_and_files_are_left_alone(tmp_path):
     link.write_text("mine")
     assert refused(PtyEndpoint, link).startswith(f"link {link}: found a file")
     assert link.read_text() == "mine"
-    assert "No such file" in refused(PtyEndpoint, tmp_path / "missing" / "board")
+    assert "no such file" in refused(PtyEndpoint, tmp_path / "missing" / "board")
 
 
 def test_faults_are_those_of_the_injector_and_a_stall_delays_the_rest(endpoint):

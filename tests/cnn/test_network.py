@@ -16,7 +16,7 @@ from strategies import seeds
 from repro.cnn.architecture import NetworkSettings
 from repro.cnn.dataset import DataSettings, draw_samples, sample_motion
 from repro.cnn.image import assemble
-from repro.cnn.network import PIECE, FactoredCNN, load_network, save_network, sigmoid_loss
+from repro.cnn.network import PIECE, FactoredCNN, estimate_residuals, load_network, save_network, sigmoid_loss
 from repro.cnn.reader import PIECE as READ_AT_A_TIME
 from repro.cnn.reader import Reader
 from repro.cnn.train import Progress, load_checkpoint, save_checkpoint
@@ -100,6 +100,16 @@ def test_images_of_one_torque_and_a_first_layer_that_learns_no_more_give_the_sam
     for found, expected in ((factored(u, v), learning), (factored(u, v[:1]), alone)):
         assert found.shape == (n, 9)
         assert (found - expected).abs().max() <= tolerance * expected.abs().max()
+
+
+@pytest.mark.parametrize("sizes", [PUBLISHED, OTHER])
+def test_residuals_of_images_are_those_of_their_factors(sizes):
+    _, factored = pair(sizes)
+    u, v = factors(2, 6, sizes.image_size, torch.float32)
+    images = assemble(u.numpy(), v.numpy())
+    found = estimate_residuals(factored, images.reshape(3, 2, *images.shape[1:]))
+    expected = factored(u, v).detach().numpy().reshape(3, 2, 9)
+    assert abs(found - expected).max() <= 1e-5 * abs(expected).max()
 
 
 @pytest.mark.parametrize("sizes", [PUBLISHED, literal.SMALL, OTHER])

@@ -157,8 +157,8 @@ def test_a_file_or_a_port_that_is_wrong_is_refused_and_nothing_is_written(tmp_pa
     for port in ("loop://", "spy://loop://", "socket://127.0.0.1", "socket://:80", "socket://h:99999"):
         assert f"--port: found '{port}', expected a device" in refused(*record, new, "--port", port)
     assert "--trajectory: found 'T5'" in refused("record", "--trajectory", "T5", "--out", new)
-    assert "gone.csv: found No such file" in refused("record", "--trajectory", "gone.csv", "--out", new)
-    assert "new.bin: found No such file" in refused("decode", new)
+    assert "gone.csv: found no such file" in refused("record", "--trajectory", "gone.csv", "--out", new)
+    assert "new.bin: found no such file" in refused("decode", new)
     stored.chmod(0o644)
     stored.write_bytes(FRAMES[:-3])
     assert "T4.bin: size: found 1597 bytes" in refused("decode", stored, "-o", table)
@@ -235,7 +235,7 @@ def test_a_disk_that_fills_up_loses_no_byte(tmp_path, capsys, limit_files, monke
     assert list(tmp_path.iterdir()) == [raw]
     assert raw.read_bytes() == FRAMES
     line = line_about(tmp_path, capsys)
-    assert line.startswith(f"{tmp_path / 'T4.bin'}: found File too large")
+    assert line.startswith(f"{tmp_path / 'T4.bin'}: found file too large")
     assert line.endswith(f"the {len(FRAMES)} bytes received are in {raw}")
 
 

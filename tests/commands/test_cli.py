@@ -17,7 +17,8 @@ CAPTURE = ROOT / "data" / "captures" / "T4.bin"
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        ([], "required: COMMAND"),
+        (["identfy", "log.csv"], "COMMAND: found 'identfy', expected identify, or one of 7 others"),
+        (["identify", "log.csv", "-o", "out", "--method", "ls"], "--method: found 'ls', expected least-squares, or"),
         (["record", "--out", "x.bin"], "required: --trajectory"),
         (["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "0"], "--timeout: found '0', expected a time"),
         (["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "soon"], "--timeout: found 'soon'"),
@@ -71,7 +72,7 @@ def test_standard_output_that_is_full():
         command = [sys.executable, "-m", "repro", "decode", str(CAPTURE), "-o", "-"]
         run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert run.returncode == 2
-    assert run.stderr.splitlines()[-1].startswith("output: found No space left on device")
+    assert run.stderr.splitlines()[-1].startswith("output: found no space left on device")
     assert "Traceback" not in run.stderr
 
 
@@ -79,7 +80,7 @@ def test_decode_and_identify_leave_nothing_on_a_full_disk(tmp_path, refused, lim
     limit_files(100_000)
     assert refused("decode", CAPTURE, "-o", tmp_path / "T4.csv").startswith(f"{tmp_path / 'T4.csv'}: ")
     line = refused("identify", tmp_path / "no-such-log.csv", "-o", tmp_path / "out")
-    assert line.startswith(f"{tmp_path / 'out'}: found File too large")
+    assert line.startswith(f"{tmp_path / 'out'}: found file too large")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -138,3 +139,9 @@ def test_check_refuses_what_snakemake_would(tmp_path, refused, content, place):
     file.write_bytes(content)
     line = refused("check", "--config", CONFIG, file)
     assert line.startswith(f"{file}: ") and place in line
+
+
+def test_the_command_alone_prints_its_help(capsys):
+    assert main([]) == 2
+    printed = capsys.readouterr().err
+    assert all(f"\n    {name} " in printed for name in COMMANDS)

@@ -83,7 +83,7 @@ def test_the_table_is_in_the_angles_that_the_arm_records(tmp_path):
         ((), {"position_limit": [[-1e-5, 1e-5]] * 2}, "no motion separate the parameters, expected wider ones"),
         (("--guess", 1, 2), {}, "--guess: found ['1', '2'], expected nine numbers of at most 1e+06, such as"),
         (("--guess", 1, 0, -0.05, *BETA[3:]), {}, "0.0036, 0.454, 0.31], expected parameters that an arm"),
-        (("--guess", "arm.yaml"), {}, "arm.yaml: found No such file"),
+        (("--guess", "arm.yaml"), {}, "arm.yaml: found no such file"),
         (("--harmonics", 2), {}, "harmonics: found 2, expected 3 to 20"),
         (("--rate", 1), {}, "--rate times duration: found 8 samples, expected 16 to 99999"),
     ],

@@ -175,7 +175,7 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path):
         (["socket://127.0.0.1:1", "-o", "out"], "socket://127.0.0.1:1: found one that cannot be opened"),
         (["log.csv", "-o", "out", "--cutoff", "90"], "--cutoff: found 90 Hz"),
         (["short.csv", "-o", "out"], "short.csv"),
-        (["validate_run.csv", "-o", "out"], "validate_run.csv: found No such file"),
+        (["validate_run.csv", "-o", "out"], "validate_run.csv: found no such file"),
         (["log.csv", "-o", "out", "--validate", "copy.csv"], "copy.csv: found the samples of log.csv, expected a log "),
         (["log.csv", "copy.csv", "-o", "out"], "copy.csv: found the samples of log.csv, expected each log once"),
         (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "Algorithm 1 for several logs"),

@@ -40,6 +40,7 @@ SIGNATURES = {
     "differentiate": "x, h, c_f, unit",
     "images": "q, dq, ddq, tau, guess, settings",
     "load_network": "path, settings, fact, precision",
+    "estimate_residuals": "network, images",
     "algorithm1": "q, tau, network, begin, end, signals, search_settings, seed",
     "SearchSettings": "executions, inner_limit, threshold, guess_low, guess_high, feasibility, image_motion, metric",
     "SignalSettings": "sampling_period_s, filter_coefficient, frequency_reading, image_samples, duration_s, "
@@ -286,6 +287,10 @@ def test_errors_name_the_arguments_of_the_public_functions():
     signal = np.ones((2, 40))
     with pytest.raises(ValueError, match=r"^guess: "):
         repro.images(signal, signal, signal, signal, np.ones(8))
+    network = repro.load_network("data/networks/cnn.safetensors")
+    for wrong in (np.ones((100, 100)), np.ones((2, 99, 100)), np.full((2, 100, 100), np.nan)):
+        with pytest.raises(ValueError, match=r"^images: "):
+            repro.estimate_residuals(network, wrong)
     for steepness in (-3, 0):
         with pytest.raises(ValueError, match=r"^friction_steepness: "):
             repro.inverse_dynamics(signal, signal, signal, np.ones(9), friction_steepness=steepness)

@@ -80,8 +80,8 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     for path in (tmp_path / "pipe.csv", tmp_path / "pipe.bin", Path("/dev/zero"), Path("/dev/full")):
         assert refusal(path).startswith(f"{path}: found a pipe or a device")
         assert "found a pipe or a device" in refused(read_arm, path)
-    assert "log.csv: found No such file or directory, expected a CSV table" in refusal(tmp_path / "log.csv")
-    assert "log.bin: found No such file" in refusal(tmp_path / "log.bin")
+    assert "log.csv: found no such file or directory, expected a CSV table" in refusal(tmp_path / "log.csv")
+    assert "log.bin: found no such file" in refusal(tmp_path / "log.bin")
     assert "found a folder, expected a CSV table" in refusal(tmp_path)
 
 

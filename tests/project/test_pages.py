@@ -4,6 +4,7 @@ import ast
 import json
 import pydoc
 import re
+import tomllib
 
 import pytest
 import yaml
@@ -11,7 +12,7 @@ from experiment_example import ROOT
 
 import repro
 
-PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md")]
+PAGES = [ROOT / name for name in ("README.md", "CITATIONS.md", "CONTRIBUTING.md", "benchmarks/README.md")]
 PAGES += [page for folder in ("docs", "docs/explanation") for page in sorted((ROOT / folder).glob("*.md"))]
 
 
@@ -22,7 +23,23 @@ def test_both_citation_files_say_the_same():
     assert meta["license"].rsplit("/", 1)[1] == cff["license"]
     assert meta["keywords"] == cff["keywords"]
     assert [author["name"] for author in meta["author"]] == [author["name"] for author in cff["authors"]]
-    assert meta["version"] == repro.__version__
+    assert meta["version"] == cff["version"] == repro.__version__
+    assert meta["datePublished"] == cff["date-released"]
+    changes, citations = ((ROOT / name).read_text(encoding="utf-8") for name in ("CHANGELOG.md", "CITATIONS.md"))
+    assert re.search(r"^## (\d.*)$", changes, re.MULTILINE)[1] == f"{cff['version']} - {cff['date-released']}"
+    assert f"version = {{{cff['version']}}}" in citations
+    assert f"date    = {{{cff['date-released']}}}" in citations
+
+
+def test_each_package_that_is_asked_for_has_a_citation():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    asked_for = [
+        *project["dependencies"],
+        *(text for extra in project["optional-dependencies"].values() for text in extra),
+    ]
+    citations = (ROOT / "CITATIONS.md").read_text(encoding="utf-8")
+    names = {re.split("[<>=]", text)[0] for text in asked_for}
+    assert not [name for name in sorted(names) if not re.search(rf"(?<![\w-]){name}(?![\w-])", citations)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -49,7 +66,7 @@ def test_each_benchmark_is_listed_and_what_it_imports_is_there(monkeypatch):
 
 
 def test_each_page_is_in_the_navigation_of_the_site():
-    shown = re.findall(r": (\S+\.md)$", (ROOT / "docs/mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+    shown = re.findall(r"[:-] (\S+\.md)$", (ROOT / "docs/mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
     pages = {page.relative_to(ROOT).as_posix() for page in PAGES} - {"benchmarks/README.md"}
     assert pages <= set(shown)
     assert not [page for page in shown if not (ROOT / page).is_file()]

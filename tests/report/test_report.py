@@ -163,7 +163,7 @@ def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(inputs, name
             spoil()
             message = refused(build_report, inputs)
             assert str(path) in message
-            assert path.exists() or "found No such file or directory, expected " in message
+            assert path.exists() or "found no such file or directory, expected " in message
     finally:
         path.write_bytes(whole)
 

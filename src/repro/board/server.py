@@ -24,7 +24,7 @@ from repro.board.controller import ControlConstants, ControlLoop
 from repro.board.frames import SAMPLING_PERIOD, encode
 from repro.board.messages import Message, MessageDecoder, MessageKind
 from repro.board.plant import Plant
-from repro.errors import InputError
+from repro.errors import InputError, failure
 from repro.signals.programs import MEMORY_SAMPLES
 
 _LOG = logging.getLogger(__name__)
@@ -145,7 +145,7 @@ class PtyEndpoint:
                 temporary.replace(self._link)
             except OSError as error:
                 os.close(self._master)
-                raise InputError.at(f"link {self._link}", error.strerror or "an error", "a name to make") from error
+                raise InputError.at(f"link {self._link}", failure(error), "a name to make") from error
 
     @property
     def port(self) -> str:

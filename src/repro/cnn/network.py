@@ -12,8 +12,10 @@ come after it on a quarter of the data.
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 import torch
 import torch.nn.functional as F  # noqa: N812  (torch's own convention)
+from numpy.typing import ArrayLike, NDArray
 from torch import Tensor, nn
 
 from repro.cnn.architecture import NetworkSettings, Precision, read_weights
@@ -227,3 +229,49 @@ def load_network(
     network = FactoredCNN(settings, on_this_processor(precision))
     network.load_state_dict({name: torch.from_numpy(weight) for name, weight in weights.items()})
     return network.requires_grad_(False)
+
+
+def estimate_residuals(network: FactoredCNN, images: ArrayLike) -> NDArray[np.float32]:
+    """Estimate from images how far their guesses are from the parameters (lines 19 and 20 of Algorithm 1).
+
+    A guess plus its residual is the corrected guess (line 21). A search with many guesses of one torque needs no images
+    and is faster (`algorithm1`).
+
+    Parameters
+    ----------
+    network : FactoredCNN
+        Trained for the motion of the images, see `load_network`.
+    images : array_like of shape (..., 2, 100, 100)
+        Of guesses, see `images`.
+
+    Returns
+    -------
+    array of shape (..., 9)
+        Residuals in units of the largest torque, in float32.
+
+    Raises
+    ------
+    ValueError
+        If the shape is wrong or a value is not finite.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 9.4, 100)
+    >>> q = np.stack([np.sin(t), np.sin(2.5 * t)])
+    >>> guesses = np.full((3, 9), 0.5)
+    >>> network = repro.load_network("data/networks/cnn.safetensors")
+    >>> residuals = repro.estimate_residuals(network, repro.images(q, 0 * q, 0 * q, np.cos(q), guesses))
+    >>> (guesses + residuals).shape
+    (3, 9)
+    """
+    z = np.asarray(images, np.float32)
+    shape = (2, network.settings.image_size, network.settings.image_size)
+    if z.shape[-3:] != shape or not np.isfinite(z).all():
+        raise ValueError(f"images: expected finite values of shape (..., {', '.join(map(str, shape))}), got {z.shape}.")
+    with torch.inference_mode():
+        x = torch.from_numpy(z.reshape(-1, *shape))
+        x = F.relu(F.max_pool2d(network.conv1(x), 2))
+        x = F.relu(F.max_pool2d(network.conv2(x), 2))
+        x = F.relu(network.conv3(x)).flatten(1)
+        x = network.fc6(F.relu(network.fc5(F.relu(network.fc4(x)))))
+    return np.asarray(x.numpy().reshape(*z.shape[:-3], 9))

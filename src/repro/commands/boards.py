@@ -27,12 +27,12 @@ def simulate_arguments(parser: argparse.ArgumentParser) -> None:
         "--board", choices=("python", "rtl"), default="python", help="rtl: simulate the design in logic (docs/board.md)"
     )
     add("--listen", choices=("pty", "socket"), default="pty", help="what to offer (default: pty)")
-    add("--link", type=Path, help="with pty: symbolic link to make, a name that stays the same")
-    add("--host", help="with socket: address to listen on (default: 127.0.0.1)")
-    add("--port-number", type=integer(0, 65535), help="with socket: 0 takes a free one (default)")
+    add("--link", metavar="NAME", type=Path, help="with pty: symbolic link to make, a name that stays the same")
+    add("--host", metavar="ADDRESS", help="with socket: address to listen on (default: 127.0.0.1)")
+    add("--port-number", metavar="NUMBER", type=integer(0, 65535), help="with socket: 0 takes a free one (default)")
     add("--as-fast-as-possible", action="store_true", help="do not wait 2.5 ms between samples")
-    add("--faults", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
-    add("--seed", type=seed, help="of the faults (default: 1)", default=1)
+    add("--faults", metavar="KIND=RATE,...", default="", help="faults of the line, for example drop=1e-4,flip=1e-4")
+    add("--seed", metavar="INTEGER", type=seed, help="of the faults (default: 1)", default=1)
     add("--once", action="store_true", help="end after the first motion, when its host has gone")
     add_config(parser)
 
@@ -97,11 +97,28 @@ _URLS = ("socket://", "rfc2217://")
 def record_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro record``."""
     add = parser.add_argument
-    add("--port", help="device, pseudo-terminal or socket://HOST:PORT (default: experiment.port)")
-    add("--trajectory", required=True, help="ID, a motion such as T1, or a table FILE.csv with columns q1_rad, q2_rad")
-    add("--out", required=True, type=Path, help="capture NAME.bin; NAME.program and NAME.json are written next to it")
-    add("--baud", type=integer(1, 10**8), help="bits per second (default: experiment.baud)")
-    add("--timeout", type=seconds, default=2.0, help="seconds of silence that end a recording (default: 2)")
+    add("--port", metavar="DEVICE", help="device, pseudo-terminal or socket://HOST:PORT (default: experiment.port)")
+    add(
+        "--trajectory",
+        metavar="MOTION",
+        required=True,
+        help="ID, a motion such as T1, or a table FILE.csv with columns q1_rad, q2_rad",
+    )
+    add(
+        "--out",
+        metavar="CAPTURE",
+        required=True,
+        type=Path,
+        help="capture NAME.bin; NAME.program and NAME.json are written next to it",
+    )
+    add("--baud", metavar="RATE", type=integer(1, 10**8), help="bits per second (default: experiment.baud)")
+    add(
+        "--timeout",
+        metavar="SECONDS",
+        type=seconds,
+        default=2.0,
+        help="seconds of silence that end a recording (default: 2)",
+    )
     add("--overwrite", action="store_true", help="replace a capture that is there")
     add_config(parser)
 
@@ -202,8 +219,8 @@ def read_program(path: Path) -> "ReferenceTrajectory":
 def decode_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro decode``."""
     add = parser.add_argument
-    add("file", type=Path, help="capture NAME.bin, with NAME.json next to it")
-    add("-o", "--out", help="table to write, FILE.csv, or - for standard output")
+    add("file", metavar="CAPTURE", type=Path, help="capture NAME.bin, with NAME.json next to it")
+    add("-o", "--out", metavar="FILE", help="table to write, FILE.csv, or - for standard output")
     add("--overwrite", action="store_true", help="replace a table that is there")
 
 

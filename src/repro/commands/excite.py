@@ -19,14 +19,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro excite``."""
     add = parser.add_argument
     parser.epilog = "Example: repro excite --arm arm.yaml -o OUT. Guide: docs/own-arm.md."
-    add("--arm", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
-    add("-o", "--out", required=True, type=folder, help="folder for the motion and its accuracy")
+    add("--arm", metavar="FILE", required=True, type=Path, help="arm.yaml with position_limit and speed_limit")
+    add("-o", "--out", metavar="FOLDER", required=True, type=folder, help="folder for the motion and its accuracy")
     add("--overwrite", action="store_true", help="replace files of the same names in that folder")
-    add("--guess", nargs="+", help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too")
-    add("--duration", type=seconds, default=20.0, help="of the motion, s (default: 20)")
-    add("--harmonics", type=integer(1, 1000), default=12, help="highest multiple of 1/duration in it (default: 12)")
+    add(
+        "--guess",
+        metavar="FILE",
+        nargs="+",
+        help="parameters.json of repro identify, or nine numbers: then torque_limit is kept, too",
+    )
+    add("--duration", metavar="SECONDS", type=seconds, default=20.0, help="of the motion, s (default: 20)")
+    add(
+        "--harmonics",
+        metavar="COUNT",
+        type=integer(1, 1000),
+        default=12,
+        help="highest multiple of 1/duration in it (default: 12)",
+    )
     add(
         "--rate",
+        metavar="HZ",
         type=number(1.0, 1e5, "a rate in Hz"),
         default=400.0,
         help="samples per second (default: 400, the board's)",
@@ -39,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=("TAU1", "TAU2"),
         help="standard deviation of a sample of each torque, N m (default: 0.05 0.05)",
     )
-    add("--seed", type=seed, default=1, help="of the starts of the search (default: 1)")
+    add("--seed", metavar="INTEGER", type=seed, default=1, help="of the starts of the search (default: 1)")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="log FILE.csv, capture FILE.bin, or the port of a board to record from; several of one arm make one fit",
     )
     add("--validate", nargs="+", type=Path, default=[], metavar="LOG", help="logs that only judge the result")
-    add("--arm", type=Path, help="arm.yaml: columns, units, signs, zero position, torque constants")
+    add("--arm", metavar="FILE", type=Path, help="arm.yaml: columns, units, signs, zero position, torque constants")
     add(
         "--method",
         action="append",
@@ -29,11 +29,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="may be given more than once (default: least-squares, which takes seconds; Algorithm 1 trains a CNN "
         "for the motion of one log, from half a minute to a few minutes)",
     )
-    add("-o", "--out", required=True, type=folder, help="folder for parameters, report and exports")
+    add("-o", "--out", metavar="FOLDER", required=True, type=folder, help="folder for parameters, report and exports")
     add("--overwrite", action="store_true", help="replace files of the same names in that folder")
     add("--filter", choices=FILTERS, default="dct", help="zero-phase filter (default: dct)")
-    add("--cutoff", type=number(0.1, 1000.0, "a frequency in Hz"), help="cut-off in Hz (default: chosen from the log)")
-    add("--seed", type=seed, default=1, help="of standard errors and search (default: 1)")
+    add(
+        "--cutoff",
+        metavar="HZ",
+        type=number(0.1, 1000.0, "a frequency in Hz"),
+        help="cut-off in Hz (default: chosen from the log)",
+    )
+    add("--seed", metavar="INTEGER", type=seed, default=1, help="of standard errors and search (default: 1)")
     add(
         "--self-test",
         action="store_true",
@@ -47,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(
         "--prior",
+        metavar="FILE",
         type=Path,
         help="JSON of what is known before: parameters.json of an earlier result, or value and sd of some parameters",
     )
@@ -55,9 +61,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="exit code 3 if the parameters must not be used: not physically consistent, or torque errors above 50 %%",
     )
-    add("--steps", type=integer(1, 10**7), default=1500, help="training steps of the CNN (default: 1500)")
-    add("--cache", type=Path, default=network_cache(), help=f"trained networks (default: {network_cache()})")
-    add("--trajectory", help="with a port: motion to record, as for repro record (default: ID)")
+    add(
+        "--steps",
+        metavar="COUNT",
+        type=integer(1, 10**7),
+        default=1500,
+        help="training steps of the CNN (default: 1500)",
+    )
+    add(
+        "--cache",
+        metavar="FOLDER",
+        type=Path,
+        default=network_cache(),
+        help=f"trained networks (default: {network_cache()})",
+    )
+    add("--trajectory", metavar="MOTION", help="with a port: motion to record, as for repro record (default: ID)")
     add_config(parser)
 
 

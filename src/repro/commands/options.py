@@ -20,7 +20,11 @@ def default_config() -> Path:
 def add_config(parser: argparse.ArgumentParser) -> None:
     """Declare ``--config``."""
     parser.add_argument(
-        "--config", type=Path, default=default_config(), help=f"configuration file (default: {DEFAULT_CONFIG})"
+        "--config",
+        metavar="FILE",
+        type=Path,
+        default=default_config(),
+        help=f"configuration file (default: {DEFAULT_CONFIG})",
     )
 
 

@@ -26,9 +26,12 @@ def check(arguments: argparse.Namespace) -> int:
 
 def verify_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro verify``."""
-    parser.add_argument("--results", type=Path, help="results folder (default: that of the configuration)")
+    parser.add_argument(
+        "--results", metavar="FOLDER", type=Path, help="results folder (default: that of the configuration)"
+    )
     parser.add_argument(
         "--config",
+        metavar="FILE",
         type=Path,
         nargs="+",
         help="configuration file, and overlays as snakemake had them (default: that of the project of the results)",

@@ -11,7 +11,7 @@ from urllib.parse import quote
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from PIL import Image, UnidentifiedImageError
 
-from repro.errors import InputError
+from repro.errors import InputError, failure
 
 
 def read_bytes(path: Path, expected: str) -> bytes:
@@ -19,7 +19,7 @@ def read_bytes(path: Path, expected: str) -> bytes:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", expected) from error
+        raise InputError.at(str(path), failure(error), expected) from error
     if not content.strip():
         raise InputError.at(str(path), "an empty file", expected)
     return content

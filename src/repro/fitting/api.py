@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from repro.board.capture import files_of
-from repro.errors import InputError, require
+from repro.errors import InputError, failure, require
 from repro.files import check_folder
 from repro.fitting.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
 from repro.fitting.prepare import LoadedLog, Options, load_log
@@ -457,7 +457,7 @@ def _check_cache(cache: Path) -> None:
         with tempfile.TemporaryFile(dir=cache):
             pass
     except OSError as error:
-        raise InputError.at(f"cache: {cache}", error.strerror or "no folder", "a folder that can be written") from error
+        raise InputError.at(f"cache: {cache}", failure(error), "a folder that can be written") from error
 
 
 def _report_log(loaded: LoadedLog, briefly: bool) -> None:

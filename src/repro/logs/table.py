@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from repro.documents import check_size
-from repro.errors import InputError, require, shown
+from repro.errors import InputError, failure, require, shown
 from repro.logs.columns import SPELLINGS, unit_named
 from repro.logs.instants import seconds_of
 from repro.model.parameters import Array
@@ -366,7 +366,7 @@ def check_text(path: Path) -> int:
         with path.open("rb") as file:
             return _check_blocks(str(path), iter(partial(file.read, MAX_LINE_BYTES), b""))
     except OSError as error:
-        raise InputError.at(str(path), error.strerror or "an unreadable file", _EXPECTED) from error
+        raise InputError.at(str(path), failure(error), _EXPECTED) from error
 
 
 def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:

@@ -14,7 +14,7 @@ import pandas as pd
 from repro.comparison import Tolerances, differences
 from repro.config.model import Configuration
 from repro.documents import read_bytes
-from repro.errors import InputError
+from repro.errors import InputError, failure
 from repro.files import LARGEST_TABLE, csv_text, parse_rows, write_text
 from repro.paper.audit import findings
 from repro.paper.claims import (
@@ -124,7 +124,7 @@ def write_sources(path: Path, files: Iterable[Path], folders: Iterable[Path], ro
         try:
             lines.append(f"{_digest(file)}  {name}\n")
         except OSError as error:
-            raise InputError.at(str(file), error.strerror or "an unreadable file", "a source of the ledger") from error
+            raise InputError.at(str(file), failure(error), "a source of the ledger") from error
     write_text(path, _seal("".join(lines)) + "".join(lines))
 
 
@@ -181,7 +181,7 @@ def changed_sources(path: Path, root: Path = Path(), stored: Iterable[Path] = ()
         try:
             found = _digest(file)
         except OSError as error:
-            found = error.strerror or "an unreadable file"
+            found = failure(error)
             problems.append(f"{shown}: found {found}, expected the file that {path} lists")
             continue
         if name not in listed:
