@@ -15,6 +15,7 @@ from repro.cli import main
 from repro.fitting.export import horizontal_links_of
 from repro.fitting.outputs import write_result
 from repro.fitting.prior import read_prior, with_plane
+from repro.fitting.text import FIXED
 from repro.model.parameters import NAMES, UNITS, inertial_from_links
 
 LEVEL = replace(ARM, plane="horizontal", link_lengths=(0.3, 0.25))
@@ -81,14 +82,14 @@ def test_an_arm_in_a_horizontal_plane(tmp_path, no_figures):
     problem = prepared_from_file(tmp_path, LEVEL, beta=level)
     result, curves = solved(problem, ("weighted", "bounded"), LEVEL)
     upright, _ = solved(prepared_from_file(tmp_path, LEVEL), ("ordinary",), LEVEL)
-    for warnings, lines in ((result.warnings, 0), (upright.warnings, 2)):
-        assert sum(line.startswith("the log contradicts g") for line in warnings) == lines
+    for of, lines in ((result, 0), (upright, 2)):
+        assert sum("contradicts" in line for line in of.warnings) == lines
     for method in result.methods:
         found = np.array([p.estimate for p in method.parameters])
         assert (found[3:5] == 0.0).all()
         assert found == pytest.approx(level, rel=0.02, abs=1e-9), method.method
         assert max(method.fit.position_rms) < 2e-3
-        assert all(p.verdict.startswith("not estimated") for p in method.parameters[3:5])
+        assert all(p.verdict == FIXED for p in method.parameters[3:5])
     write_result(tmp_path / "out", result, curves, LEVEL)
     assert 'gravity="0.0 0.0 0.0"' in (tmp_path / "out/arm.xml").read_text(encoding="utf-8")
     links = horizontal_links_of(found, LEVEL.link_lengths)
