@@ -25,7 +25,6 @@ REFERENCE = runpy.run_path(str(ROOT / "config/reference.py"))
 
 #: Reads a file of the repository once, which takes a tenth of a second.
 READ_ONCE = cache(read_yaml)
-ONE_LINE = re.compile(r"(?P<file>[^:]+): (?P<field>[^:]+): found (?P<found>.+), expected (?P<expected>.+)")
 
 
 def load(*files):
@@ -36,10 +35,9 @@ def load(*files):
 
 
 def refusal(config, *files):
-    line = refused(check_config, config, files)
-    match = ONE_LINE.fullmatch(line)
-    assert match, f"not one line of file, field, found and expected: {line!r}"
-    return match
+    """File, field, found and expected of the error that a configuration ends in."""
+    error = refused(check_config, config, files)
+    return *error.place.split(": "), error.found, error.expected
 
 
 # --- The files of the repository ----------------------------------------------------------------------------------
@@ -149,9 +147,9 @@ def test_a_value_that_a_key_does_not_allow_is_one_line(monkeypatch, path, key):
     for wrong in wrong_values(key, section.get(path[-1], key.get("default"))):  # a new key may be absent
         spoilt = copy.deepcopy(config)
         at(spoilt, path[:-1])[path[-1]] = wrong
-        line = refusal(spoilt, BASE)
-        assert line["file"] == "command line"  # which is where the value must come from: no file contains it
-        assert line["field"].split("[")[0] == ".".join(path), wrong
+        file, field, *_ = refusal(spoilt, BASE)
+        assert file == "command line"  # which is where the value must come from: no file contains it
+        assert field.split("[")[0] == ".".join(path), wrong
 
 
 @pytest.mark.parametrize(
@@ -166,13 +164,12 @@ def test_missing_and_unknown_keys_are_one_line(monkeypatch, path, model, tmp_pat
         if is_dataclass(model):  # its class has a default
             check_config(spoilt, [BASE])
             continue
-        line = refusal(spoilt, BASE)
-        assert (line["file"], line["field"], line["found"]) == (str(BASE), ".".join((*path, name)), "nothing")
+        assert refusal(spoilt, BASE)[:3] == (str(BASE), ".".join((*path, name)), "nothing")
     at(config, path)["colour"] = 1
     file.write_text(yaml.safe_dump(config), encoding="utf-8")
-    line = refusal(config, file)
-    assert (line["file"], line["field"], line["found"]) == (str(file), ".".join((*path, "colour")), "an unknown key")
-    assert next(iter(at(config, path))) in line["expected"]
+    *error, expected = refusal(config, file)
+    assert error == [str(file), ".".join((*path, "colour")), "an unknown key"]
+    assert next(iter(at(config, path))) in expected
 
 
 # --- Values against each other, and the file at fault --------------------------------------------------------------
@@ -223,13 +220,13 @@ BAD = {
 def test_a_contradiction_is_one_line_that_names_the_overlay(tmp_path, capsys, text, field, found, expected):
     file = tmp_path / "my.yaml"
     file.write_text(text, encoding="utf-8")
-    line = refusal(load(BASE, file), BASE, file)
-    assert (line["file"], line["field"]) == (str(file), field)
-    assert found in line["found"] and expected in line["expected"]
+    error = refused(check_config, load(BASE, file), (BASE, file))
+    assert error.place == f"{file}: {field}"
+    assert found in error.found and expected in error.expected
     with pytest.raises(SystemExit) as stop:
         accept_config(load(BASE, file), [BASE, file])
     assert stop.value.code == 2
-    assert capsys.readouterr() == ("", f"{line[0]}\n")
+    assert capsys.readouterr() == ("", f"{error}\n")
 
 
 @pytest.mark.parametrize("beyond", [0, 1])
@@ -247,15 +244,15 @@ def test_the_last_file_with_the_value_is_named(tmp_path):
     config["training"]["steps"] = -1
     base.write_text(yaml.safe_dump(config), encoding="utf-8")
     overlay.write_text("training: {batch: 8}", encoding="utf-8")
-    assert refusal(load(base, overlay), base, overlay)["file"] == str(base)
+    assert refusal(load(base, overlay), base, overlay)[0] == str(base)
     overlay.write_text("training: {steps: -1}", encoding="utf-8")
-    assert refusal(load(base, overlay), base, overlay)["file"] == str(overlay)
+    assert refusal(load(base, overlay), base, overlay)[0] == str(overlay)
 
 
 @pytest.mark.parametrize("name", ["src/x", ".git", "Data", "benchmarks"])
 def test_a_run_does_not_write_into_folders_of_the_project(name):
     for key in ("results", "figures"):
-        assert refusal(load(BASE) | {key: name}, BASE)["field"] == key
+        assert refusal(load(BASE) | {key: name}, BASE)[1] == key
 
 
 def test_an_environment_in_a_folder_with_a_blank_is_refused_before_any_job(monkeypatch, capsys):
@@ -271,7 +268,7 @@ def test_an_environment_in_a_folder_with_a_blank_is_refused_before_any_job(monke
 def test_a_key_that_is_not_text_is_refused_in_one_line(place):
     config = load(BASE)
     (config if place == "top" else config["numeric"]["arms"])[1] = [1.0] * 9
-    assert refusal(config, BASE)["found"] == "the key 1"
+    assert refusal(config, BASE)[-2] == "the key 1"
 
 
 @pytest.mark.parametrize("name", ["missing", "folder", "empty", "list"])
@@ -279,4 +276,4 @@ def test_a_file_that_cannot_be_read_is_refused_in_one_line(tmp_path, name):
     (tmp_path / "folder").mkdir()
     (tmp_path / "empty").touch()
     (tmp_path / "list").write_text("- 1\n", encoding="utf-8")
-    assert refused(load_config, tmp_path / name).startswith(str(tmp_path / name))
+    assert refused(load_config, tmp_path / name).place.startswith(str(tmp_path / name))

@@ -28,7 +28,7 @@ def test_names_of_columns_arms_and_files_reach_no_terminal_as_they_are(tmp_path,
         {"time": t, text: t, "q1": np.sin(t), "q2": np.cos(t), "tau1": np.cos(3 * t), "tau2": np.sin(t)}
     )
     assert all(note.isprintable() for note in repro.read_log(frame).notes)
-    assert refused(repro.read_log, frame.rename(columns={"q1": f"q1{text}"})).isprintable()
+    assert str(refused(repro.read_log, frame.rename(columns={"q1": f"q1{text}"}))).isprintable()
     if "/" not in text:
         path = tmp_path / f"{text}.csv"
         frame.drop(columns=text).to_csv(path, index=False)

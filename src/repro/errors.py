@@ -25,13 +25,17 @@ class InputError(ValueError):
     run.csv: line 7, tau2: found 'x', expected a finite number
     """
 
+    place = found = expected = ""  # parts of the message, set by `at`
+
     def __init__(self, message: str) -> None:
         super().__init__(shown(message))
 
     @classmethod
     def at(cls, place: str, found: object, expected: str) -> "InputError":
-        """Build the message ``place: found ..., expected ...``."""
-        return cls(f"{place}: found {found}, expected {expected}")
+        """Build the message ``place: found ..., expected ...``, whose parts the error has as attributes."""
+        error = cls(f"{place}: found {found}, expected {expected}")
+        error.place, error.found, error.expected = shown(place), shown(str(found)), shown(expected)
+        return error
 
 
 def one_of(known: Iterable[str], found: object) -> str:

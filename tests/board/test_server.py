@@ -159,9 +159,10 @@ def test_a_link_is_made_and_removed_and_files_are_left_alone(tmp_path):
     endpoint.close()
     assert not list(tmp_path.iterdir())
     link.write_text("mine")
-    assert refused(PtyEndpoint, link).startswith(f"link {link}: found a file")
+    assert refused(PtyEndpoint, link).place == f"link {link}"
     assert link.read_text() == "mine"
-    assert "no such file" in refused(PtyEndpoint, tmp_path / "missing" / "board")
+    missing = tmp_path / "missing" / "board"
+    assert refused(PtyEndpoint, missing).place == f"link {missing}"
 
 
 def test_faults_are_those_of_the_injector_and_a_stall_delays_the_rest(endpoint):

@@ -186,23 +186,23 @@ ONE_NAN = {"fc4.weight": torch.where(torch.arange(16 * 100).view(16, 100) == 305
 
 
 @pytest.mark.parametrize(
-    ("damage", "settings", "fact", "words"),
+    ("damage", "settings", "fact", "place", "found"),
     [
-        (lambda path: path.unlink(), literal.SMALL, None, "safetensors"),
-        (lambda path: path.write_bytes(b""), literal.SMALL, None, "safetensors"),
-        (lambda path: path.write_bytes(b"not weights at all\n" * 20), literal.SMALL, None, "safetensors"),
-        (lambda _: None, replace(literal.SMALL, hidden=(16, 7)), None, "fc5.bias: found (8,), expected shape (7,)"),
-        (lambda _: None, literal.SMALL, "tracked", "header: found published, expected tracked"),
-        (lambda path: changed(path, {}, "conv3.bias"), literal.SMALL, None, "conv3.bias"),
-        (lambda path: changed(path, {"conv3.scale": torch.ones(4)}), literal.SMALL, None, "conv3.scale"),
-        (lambda path: changed(path, ONE_NAN), literal.SMALL, None, "fc4.weight: found a weight that is not finite"),
-        (lambda path: changed(path, {"fc5.bias": torch.full((8,), -np.inf)}), literal.SMALL, None, "fc5.bias: found a"),
+        (lambda path: path.unlink(), literal.SMALL, None, "", ""),
+        (lambda path: path.write_bytes(b""), literal.SMALL, None, "", ""),
+        (lambda path: path.write_bytes(b"not weights at all\n" * 20), literal.SMALL, None, "", ""),
+        (lambda _: None, replace(literal.SMALL, hidden=(16, 7)), None, "fc5.bias", "(8,)"),
+        (lambda _: None, literal.SMALL, "tracked", "header", "published"),
+        (lambda path: changed(path, {}, "conv3.bias"), literal.SMALL, None, "conv3.bias", ""),
+        (lambda path: changed(path, {"conv3.scale": torch.ones(4)}), literal.SMALL, None, "conv3.scale", ""),
+        (lambda path: changed(path, ONE_NAN), literal.SMALL, None, "fc4.weight", "a weight that is not finite"),
+        (lambda path: changed(path, {"fc5.bias": torch.full((8,), -np.inf)}), literal.SMALL, None, "fc5.bias", "a"),
     ],
 )
-def test_weights_that_will_not_do_are_refused_in_one_line(weights, damage, settings, fact, words):
+def test_weights_that_will_not_do_are_refused_in_one_line(weights, damage, settings, fact, place, found):
     damage(weights)
-    line = refused(load_network, weights, settings, fact)
-    assert line.startswith(str(weights)) and words in line
+    error = refused(load_network, weights, settings, fact)
+    assert error.place == f"{weights}: {place}".removesuffix(": ") and error.found.startswith(found)
 
 
 def test_same_network_gives_the_same_file(weights, tmp_path):

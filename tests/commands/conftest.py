@@ -3,23 +3,23 @@
 import resource
 
 import pytest
+from experiment_example import refusal_in
 
 from repro.cli import main
 
 
 @pytest.fixture
 def refused(capsys):
-    """Runs a command that refuses its input, and gives its one line."""
+    """Runs a command that refuses its input, and gives the error of its one line."""
 
-    def line_of(*argv):
+    def error_of(*argv):
         assert main([*map(str, argv)]) == 2
         printed, errors = capsys.readouterr()
         assert printed == ""
-        (line,) = errors.splitlines()
-        assert ": found " in line and ", expected " in line
-        return line
+        assert errors.count("\n") == 1
+        return refusal_in(errors)
 
-    return line_of
+    return error_of
 
 
 @pytest.fixture

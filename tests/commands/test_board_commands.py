@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from cli_with_fake_board import DESIRED, FRAMES, load_config, stub
-from experiment_example import full_config
+from experiment_example import full_config, refusal_in
+from experiment_example import refused as refused_call
 from fake_board import PlayedBoard, metadata, served
 
 from repro.board.capture import read_capture, write_capture
@@ -19,7 +20,6 @@ from repro.board.messages import MessageKind
 from repro.board.server import PtyEndpoint
 from repro.cli import main
 from repro.commands.boards import program_of
-from repro.errors import InputError
 
 SCRIPT = Path(__file__).parents[1] / "examples/cli_with_fake_board.py"
 
@@ -92,26 +92,26 @@ def test_a_closed_terminal_ends_a_recording_and_stops_the_arm(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"),
+    ("text", "place", "found"),
     [
-        ("q1_rad,q2\n0,0\n", "header: found no column q2_rad"),
-        ("q1_rad,q2_rad\n", "found no rows"),
-        ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad: found 'x', expected a finite number"),
-        ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad: found an empty cell, expected a finite number"),
-        ("q1_rad,q2_rad\n0,0,0\n1,0,0\n", "line 2: found 3 fields, expected 2"),
-        ("q1_rad,q2_rad\ninf,0\n", "row 1, q1_rad: found .*inf.*, expected a finite number"),
-        ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "wave.csv: found 8193 rows, expected a motion of 2 to 8192"),
-        ("time,q1_rad,q2_rad\n0,0,0\n0.0025,0,0\n0.0125,0,0\n", "row 3, time: found a step of 0.01 s"),
-        ("T_s,q1_rad,q2_rad\n0,0,0\nnow,0,0\n", "row 2, T_s: found 'now'"),
-        ("q1_rad,q2_rad\n0,0\n0,24.5101\n", "row 2, q2_rad: found 24.5101 rad"),  # 32768 counts
-        ("q1_rad,q2_rad\n0,1.0\n0,1.0\n", r"wave\.csv: row 1, q2_rad: found 1 rad"),  # away from rest
+        ("q1_rad,q2\n0,0\n", "header", "no column q2_rad"),
+        ("q1_rad,q2_rad\n", "", "no rows"),
+        ("q1_rad,q2_rad\n0,0\n0,x\n", "row 2, q2_rad", "'x'"),
+        ("q1_rad,q2_rad\n0,\n", "row 1, q2_rad", "an empty cell"),
+        ("q1_rad,q2_rad\n0,0,0\n1,0,0\n", "line 2", "3 fields"),
+        ("q1_rad,q2_rad\ninf,0\n", "row 1, q1_rad", "'inf'"),
+        ("q1_rad,q2_rad\n" + 8193 * "0,0\n", "", "8193 rows"),
+        ("time,q1_rad,q2_rad\n0,0,0\n0.0025,0,0\n0.0125,0,0\n", "row 3, time", "a step of 0.01 s"),
+        ("T_s,q1_rad,q2_rad\n0,0,0\nnow,0,0\n", "row 2, T_s", "'now'"),
+        ("q1_rad,q2_rad\n0,0\n0,24.5101\n", "row 2, q2_rad", "24.5101 rad"),  # 32768 counts
+        ("q1_rad,q2_rad\n0,1.0\n0,1.0\n", "row 1, q2_rad", "1 rad"),  # away from rest
     ],
 )
-def test_a_table_that_is_no_motion_is_refused(tmp_path, text, expected):
+def test_a_table_that_is_no_motion_is_refused(tmp_path, text, place, found):
     path = tmp_path / "wave.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match=rf"\A.*{expected}.*\Z"):
-        program_of(full_config(), str(path))
+    error = refused_call(program_of, full_config(), str(path))
+    assert error.place == f"{path}: {place}".removesuffix(": ") and error.found.startswith(found)
 
 
 def test_decode_summarises_and_writes_a_table(stored, capsys):
@@ -136,14 +136,15 @@ def test_nothing_is_overwritten(stored, refused):
     table = stored.with_suffix(".csv")
     table.write_text("mine")
     before = stored.read_bytes()
-    assert "T4.csv: found a file" in refused("decode", stored, "-o", table)
-    assert ": found a folder, expected FILE.csv" in refused("decode", stored, "-o", stored.parent)
+    for out in (table, stored.parent):
+        assert refused("decode", stored, "-o", out).place == str(out)
     assert table.read_text() == "mine"
     nowhere = table.with_name("link.csv")
     nowhere.symlink_to("gone.csv")
-    assert "link.csv: found a file" in refused("decode", stored, "-o", nowhere)
-    assert "T4.bin: found a file" in refused("record", "--port", "/nowhere", "--trajectory", "T4", "--out", stored)
-    assert "T4.bin: found a file of the capture" in refused("decode", stored, "-o", stored, "--overwrite")
+    assert refused("decode", stored, "-o", nowhere).place == str(nowhere)
+    record = ("record", "--port", "/nowhere", "--trajectory", "T4", "--out", stored)
+    for command in (record, ("decode", stored, "-o", stored, "--overwrite")):
+        assert refused(*command).place == str(stored)
     assert stored.read_bytes() == before
     assert main(["decode", str(stored), "-o", str(table), "--overwrite"]) == 0
     assert table.read_text().startswith("time_s,")
@@ -152,18 +153,20 @@ def test_nothing_is_overwritten(stored, refused):
 def test_a_file_or_a_port_that_is_wrong_is_refused_and_nothing_is_written(tmp_path, stored, refused):
     new, table = tmp_path / "new.bin", tmp_path / "table.csv"
     record = ("record", "--trajectory", "T4", "--out")
-    assert "new.dat: found the suffix '.dat'" in refused(*record, tmp_path / "new.dat")
-    assert "port /nowhere: found one that cannot be opened" in refused(*record, new)
+    assert refused(*record, tmp_path / "new.dat").place == str(tmp_path / "new.dat")
+    assert refused(*record, new).place == "port /nowhere"
     for port in ("loop://", "spy://loop://", "socket://127.0.0.1", "socket://:80", "socket://h:99999"):
-        assert f"--port: found '{port}', expected a device" in refused(*record, new, "--port", port)
-    assert "--trajectory: found 'T5'" in refused("record", "--trajectory", "T5", "--out", new)
-    assert "gone.csv: found no such file" in refused("record", "--trajectory", "gone.csv", "--out", new)
-    assert "new.bin: found no such file" in refused("decode", new)
+        error = refused(*record, new, "--port", port)
+        assert (error.place, error.found) == ("--port", f"'{port}'")
+    assert refused("record", "--trajectory", "T5", "--out", new).place == "--trajectory"
+    assert refused("record", "--trajectory", "gone.csv", "--out", new).place == "gone.csv"
+    assert refused("decode", new).place == str(new)
     stored.chmod(0o644)
     stored.write_bytes(FRAMES[:-3])
-    assert "T4.bin: size: found 1597 bytes" in refused("decode", stored, "-o", table)
+    error = refused("decode", stored, "-o", table)
+    assert (error.place, error.found) == (f"{stored}: size", "1597 bytes")
     stored.with_suffix(".json").write_text("{}")
-    assert "T4.json: format: found nothing" in refused("decode", stored, "-o", table)
+    assert refused("decode", stored, "-o", table).place == f"{stored.with_suffix('.json')}: format"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["T4.bin", "T4.json", "T4.program"]
 
 
@@ -187,15 +190,15 @@ def record(board, out, *options):
         return main(["record", "--port", port, "--trajectory", "T4", "--out", str(out), *options])
 
 
-def line_about(path, capsys):
-    """The one line of the command among what it and the board print."""
+def refusal_about(path, capsys):
+    """The error of the command, in the one line about a path among what it and the board print."""
     (line,) = (line for line in capsys.readouterr().err.splitlines() if str(path) in line)
-    return line
+    return refusal_in(line)
 
 
 def test_a_board_that_sends_nothing_leaves_nothing(tmp_path, capsys):
     assert record(PlayedBoard(b""), tmp_path / "T4.bin", "--timeout", "0.2") == 2
-    assert "found nothing in the 0.2 s after the start" in capsys.readouterr().err.splitlines()[-1]
+    assert "0.2 s" in refusal_in(capsys.readouterr().err.splitlines()[-1]).found
     assert not list(tmp_path.iterdir())
 
 
@@ -207,7 +210,7 @@ def test_a_device_that_sends_no_frame_for_ever(tmp_path, capsys, forever):
     data = raw.read_bytes()
     assert 1600 < len(data) <= most_bytes(200)
     assert set(data) == set(forever)
-    assert f"{len(data)} bytes" in line_about(raw, capsys)
+    assert f"{len(data)} bytes" in refusal_about(raw, capsys).expected
 
 
 def test_garbage_after_half_of_the_frames_is_an_incomplete_recording(tmp_path):
@@ -223,7 +226,7 @@ def test_a_disk_without_room_is_noticed_before_the_arm_moves(tmp_path, capsys, l
     limit_files(20_000)
     assert record(board, tmp_path / "T4.bin") == 2
     assert MessageKind.START not in [message.kind for message in board.messages]
-    assert line_about(tmp_path, capsys).startswith(f"{tmp_path / 'T4.bin'}: found ")
+    assert refusal_about(tmp_path, capsys).place == str(tmp_path / "T4.bin")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -234,9 +237,9 @@ def test_a_disk_that_fills_up_loses_no_byte(tmp_path, capsys, limit_files, monke
     raw = tmp_path / "T4.bin.part"
     assert list(tmp_path.iterdir()) == [raw]
     assert raw.read_bytes() == FRAMES
-    line = line_about(tmp_path, capsys)
-    assert line.startswith(f"{tmp_path / 'T4.bin'}: found file too large")
-    assert line.endswith(f"the {len(FRAMES)} bytes received are in {raw}")
+    error = refusal_about(tmp_path, capsys)
+    assert error.place == str(tmp_path / "T4.bin")
+    assert f"{len(FRAMES)} bytes" in error.expected and str(raw) in error.expected
 
 
 def test_what_an_earlier_recording_left_is_replaced_only_on_request(tmp_path, capsys):
@@ -244,7 +247,7 @@ def test_what_an_earlier_recording_left_is_replaced_only_on_request(tmp_path, ca
     raw.write_bytes(b"mine")
     assert record(PlayedBoard(FRAMES), out) == 2
     assert raw.read_bytes() == b"mine"
-    assert line_about(raw, capsys).startswith(f"{raw}: found ")
+    assert refusal_about(raw, capsys).place == str(raw)
     for frames in (FRAMES, FRAMES[:80] + bytes(8) + FRAMES[88:]):  # the second one replaces a capture
         assert record(PlayedBoard(frames), out, "--overwrite") == 0
         assert not raw.exists()

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from experiment_example import refusal_in
 
 from repro.cli import COMMANDS, main
 
@@ -15,33 +16,38 @@ CAPTURE = ROOT / "data" / "captures" / "T4.bin"
 
 
 @pytest.mark.parametrize(
-    ("argv", "words"),
+    ("argv", "place", "found"),
     [
-        (["identfy", "log.csv"], "COMMAND: found 'identfy', expected identify, or one of 7 others"),
-        (["identify", "log.csv", "-o", "out", "--method", "ls"], "--method: found 'ls', expected least-squares, or"),
-        (["record", "--out", "x.bin"], "required: --trajectory"),
-        (["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "0"], "--timeout: found '0', expected a time"),
-        (["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "soon"], "--timeout: found 'soon'"),
-        (["simulate", "--seed", "-1"], "--seed: found '-1', expected a whole number"),
-        (["simulate", "--host", "127.0.0.1"], "--host: found --listen pty, expected --listen socket"),
-        (["simulate", "--listen", "socket", "--link", "x"], "--link: found --listen socket, expected --listen pty"),
-        (["simulate", "--faults", "drop"], "--faults: drop: found '', expected a number of 0 to 1"),
-        (["simulate", "--faults", "drop=1e-4,drop=1e-4"], "--faults: found 'drop=1e-4', expected each once"),
-        (["simulate", "--faults", "flip=-0.1"], "--faults: flip: found '-0.1', expected a number of 0 to 1"),
-        (["simulate", "--faults", "drop=0.4,flip=0.4,insert=0.4"], "--faults: found drop=0.4,flip=0.4,insert=0.4, exp"),
-        (["simulate", "--faults", "disconnect_after=1.5"], "--faults: disconnect_after: found '1.5'"),
-        (["decode", "ID.bin", "-o", "table.xlsx"], "--out: found 'table.xlsx', expected FILE.csv, or -"),
-        (["identify", "data/captures/ID.bin", "-o", ""], "found '', expected a folder"),
-        (["identify", "LOG.csv", "-o", "new", "--trajectory", "T1"], "--trajectory: found 'T1', expected none, or"),
+        (["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "0"], "--timeout", "'0'"),
+        (["record", "--trajectory", "ID", "--out", "x.bin", "--timeout", "soon"], "--timeout", "'soon'"),
+        (["simulate", "--seed", "-1"], "--seed", "'-1'"),
+        (["simulate", "--host", "127.0.0.1"], "--host", "--listen pty"),
+        (["simulate", "--listen", "socket", "--link", "x"], "--link", "--listen socket"),
+        (["simulate", "--faults", "drop"], "--faults: drop", "''"),
+        (["simulate", "--faults", "drop=1e-4,drop=1e-4"], "--faults", "'drop=1e-4'"),
+        (["simulate", "--faults", "flip=-0.1"], "--faults: flip", "'-0.1'"),
+        (["simulate", "--faults", "drop=0.4,flip=0.4,insert=0.4"], "--faults", "drop=0.4,flip=0.4,insert=0.4"),
+        (["simulate", "--faults", "disconnect_after=1.5"], "--faults: disconnect_after", "'1.5'"),
+        (["decode", "ID.bin", "-o", "table.xlsx"], "--out", "'table.xlsx'"),
+        (["identify", "data/captures/ID.bin", "-o", ""], "--out", "''"),
+        (["identify", "LOG.csv", "-o", "new", "--trajectory", "T1"], "--trajectory", "'T1'"),
     ],
 )
-def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys, argv, words):
+def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys, argv, place, found):
     monkeypatch.setattr("repro.board.server.serve", None)  # a board that is served has no end
     with pytest.raises(SystemExit) as stop:
         sys.exit(main(argv))
     assert stop.value.code == 2
+    error = refusal_in(capsys.readouterr().err)
+    assert error.place.endswith(place) and error.found == found
+
+
+@pytest.mark.parametrize(("argv", "option"), [([], "COMMAND"), (["record", "--out", "x.bin"], "--trajectory")])
+def test_a_missing_argument_is_named_in_one_line(capsys, argv, option):
+    with pytest.raises(SystemExit) as stop:
+        main(argv)
     (line,) = capsys.readouterr().err.splitlines()
-    assert words in line
+    assert stop.value.code == 2 and option in line
 
 
 def test_control_c_gives_exit_code_130_and_a_fault_of_ours_a_traceback(monkeypatch):
@@ -72,15 +78,13 @@ def test_standard_output_that_is_full():
         command = [sys.executable, "-m", "repro", "decode", str(CAPTURE), "-o", "-"]
         run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert run.returncode == 2
-    assert run.stderr.splitlines()[-1].startswith("output: found no space left on device")
-    assert "Traceback" not in run.stderr
+    assert refusal_in(run.stderr.splitlines()[-1]).place == "output"
 
 
 def test_decode_and_identify_leave_nothing_on_a_full_disk(tmp_path, refused, limit_files):
     limit_files(100_000)
-    assert refused("decode", CAPTURE, "-o", tmp_path / "T4.csv").startswith(f"{tmp_path / 'T4.csv'}: ")
-    line = refused("identify", tmp_path / "no-such-log.csv", "-o", tmp_path / "out")
-    assert line.startswith(f"{tmp_path / 'out'}: found file too large")
+    assert refused("decode", CAPTURE, "-o", tmp_path / "T4.csv").place == str(tmp_path / "T4.csv")
+    assert refused("identify", tmp_path / "no-such-log.csv", "-o", tmp_path / "out").place == str(tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -92,8 +96,7 @@ def test_an_output_behind_a_link_that_leads_nowhere_is_refused_before_any_work(t
         ("identify", "gone.csv", "-o", out),
         ("excite", "--arm", "gone.yaml", "-o", out),
     ):
-        line = refused(*argv)
-        assert line.startswith(str(out)) and "gone" not in line
+        assert refused(*argv).place.startswith(str(out))
 
 
 @pytest.mark.parametrize("name", ["x" * 5000, "\udcff", "a\nb", "\x1b[31m"], ids=["long", "byte", "n", "esc"])
@@ -104,7 +107,7 @@ def test_names_that_no_file_can_have(tmp_path, refused, name):
         ["decode", CAPTURE, "-o", tmp_path / f"{name}.csv"],
         ["excite", "--arm", f"{name}.yaml", "-o", tmp_path / "out"],
     ):
-        assert len(refused(*argv)) < 11_000
+        assert len(str(refused(*argv))) < 11_000
     assert list(tmp_path.iterdir()) == []
 
 
@@ -130,15 +133,28 @@ def test_what_is_no_file_is_refused_by_every_command(tmp_path, refused):
     [
         (b"training: {stepz: 1}\n", "training.stepz"),
         (b"training: {steps: 1, steps: 2}\n", "line 1"),
-        (b"experiment: {captures: README.md}\n", "experiment.captures: found README.md, expected a folder with"),
-        (b"training: {source: stored, networks: none}\n", "training.networks: found none, expected a folder with"),
+        (b"experiment: {captures: README.md}\n", "experiment.captures"),
+        (b"training: {source: stored, networks: none}\n", "training.networks"),
     ],
 )
 def test_check_refuses_what_snakemake_would(tmp_path, refused, content, place):
     file = tmp_path / "my.yaml"
     file.write_bytes(content)
-    line = refused("check", "--config", CONFIG, file)
-    assert line.startswith(f"{file}: ") and place in line
+    assert refused("check", "--config", CONFIG, file).place == f"{file}: {place}"
+
+
+@pytest.mark.parametrize(
+    ("argv", "place", "likely"),
+    [
+        (["identfy", "log.csv"], "COMMAND", "identify"),
+        (["identify", "l", "-o", "o", "--method", "ls"], "--method", "least-squares"),
+    ],
+)
+def test_the_likely_name_is_proposed_for_a_mistyped_one(capsys, argv, place, likely):
+    with pytest.raises(SystemExit):
+        main(argv)
+    error = refusal_in(capsys.readouterr().err.splitlines()[-1])
+    assert error.place.endswith(place) and error.expected.startswith(f"{likely}, or one of ")
 
 
 def test_the_command_alone_prints_its_help(capsys):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from experiment_example import ROOT, refused
+from experiment_example import ROOT, refusal_in, refused
 from pytest import approx
 
 from repro.cli import main
@@ -77,32 +77,33 @@ def test_the_table_is_in_the_angles_that_the_arm_records(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "keys", "words"),
+    ("options", "keys", "place", "found"),
     [
-        (("--guess", *BETA), {"torque_limit": None}, "arm.yaml: torque_limit: found nothing, expected two numbers"),
-        ((), {"position_limit": [[-1e-5, 1e-5]] * 2}, "no motion separate the parameters, expected wider ones"),
-        (("--guess", 1, 2), {}, "--guess: found ['1', '2'], expected nine numbers of at most 1e+06, such as"),
-        (("--guess", 1, 0, -0.05, *BETA[3:]), {}, "0.0036, 0.454, 0.31], expected parameters that an arm"),
-        (("--guess", "arm.yaml"), {}, "arm.yaml: found no such file"),
-        (("--harmonics", 2), {}, "harmonics: found 2, expected 3 to 20"),
-        (("--rate", 1), {}, "--rate times duration: found 8 samples, expected 16 to 99999"),
+        (("--guess", *BETA), {"torque_limit": None}, "arm.yaml: torque_limit", "nothing"),
+        ((), {"position_limit": [[-1e-5, 1e-5]] * 2}, "arm.yaml: position_limit, speed_limit, torque_limit", ""),
+        (("--guess", 1, 2), {}, "--guess", "['1', '2']"),
+        (("--guess", 1, 0, -0.05, *BETA[3:]), {}, "--guess", ""),
+        (("--guess", "arm.yaml"), {}, "arm.yaml", "no such file"),
+        (("--harmonics", 2), {}, "harmonics", "2"),
+        (("--rate", 1), {}, "--rate times duration", "8 samples"),
     ],
 )
-def test_what_is_wrong_is_reported_in_one_line_and_leaves_nothing(tmp_path, capsys, options, keys, words):
+def test_what_is_wrong_is_reported_in_one_line_and_leaves_nothing(tmp_path, capsys, options, keys, place, found):
     assert excite(tmp_path, *SHORT, *options, **keys) == 2
-    assert words in capsys.readouterr().err.splitlines()[-1]
+    error = refusal_in(capsys.readouterr().err.splitlines()[-1])
+    assert error.place.endswith(place) and error.found.startswith(found)
     assert {path.name for path in tmp_path.iterdir()} == {"arm.yaml"}
 
 
 @pytest.mark.parametrize(
-    ("row", "key", "value", "words"),
+    ("row", "key", "value", "place", "found"),
     [
-        (0, "estimate", "0.1", "estimate: found '0.1', expected a number"),
-        (1, "name", "I1", "name: found 'I1', expected 'I2'"),
-        (8, "unit", "kg m^2", "unit: found 'kg m^2', expected 'N m'"),
+        (0, "estimate", "0.1", "estimate", "'0.1'"),
+        (1, "name", "I1", "name", "'I1'"),
+        (8, "unit", "kg m^2", "unit", "'kg m^2'"),
     ],
 )
-def test_a_result_is_a_guess_unless_a_name_a_unit_or_a_type_differs(tmp_path, row, key, value, words):
+def test_a_result_is_a_guess_unless_a_name_a_unit_or_a_type_differs(tmp_path, row, key, value, place, found):
     parameters = [{"name": n, "unit": u, "estimate": x} for n, u, x in zip(NAMES, UNITS, BETA, strict=True)]
     methods = [{"method": "ordinary", "parameters": []}, {"method": "bounded", "parameters": parameters}]
     content = {"recommended": "bounded", "methods": methods}
@@ -111,4 +112,5 @@ def test_a_result_is_a_guess_unless_a_name_a_unit_or_a_type_differs(tmp_path, ro
     np.testing.assert_array_equal(read_guess([str(file)]), BETA)
     parameters[row][key] = value
     file.write_text(json.dumps(content))
-    assert refused(read_guess, [str(file)]).startswith(f"{file}: methods[1].parameters[{row}].{words}")
+    error = refused(read_guess, [str(file)])
+    assert error.place == f"{file}: methods[1].parameters[{row}].{place}" and error.found == found

@@ -263,17 +263,18 @@ def test_the_spread_is_the_widest_range_of_a_cell_over_the_runs(tmp_path, measur
 
 def test_runs_that_differ_in_more_than_their_networks_measure_nothing(tmp_path, measure):
     runs = [run_of(tmp_path / "a", ROWS), run_of(tmp_path / "b", changed(1, "total", "0.96"))]
-    assert "line 3, total: found 0.96, expected 0.97" in refused(measure, runs)
+    error = refused(measure, runs)
+    assert (error.place, error.found) == (f"{tmp_path / 'b/tables/table10.csv'}: line 3, total", "0.96")
 
 
 def test_a_pipe_or_a_large_file_in_a_results_folder_does_not_hang(tmp_path):
     a, b = (run_of(tmp_path / name, ROWS) for name in ("a", "b"))
     os.mkfifo(b / "tables/table02.csv")
-    assert "table02.csv: found no regular file" in refused(compare_runs, a, b, Tolerances())
-    assert "a pipe or a device" in refused(read_csv, b / "tables/table02.csv")
+    assert refused(compare_runs, a, b, Tolerances()).place.endswith("table02.csv")
+    assert refused(read_csv, b / "tables/table02.csv").place == str(b / "tables/table02.csv")
     (b / "tables/table02.csv").unlink()
     os.truncate(b / "tables/table10.csv", 2**30)
-    assert "size: found" in refused(compare_runs, a, b, Tolerances())
+    assert refused(compare_runs, a, b, Tolerances()).place.endswith("size")
 
 
 REFERENCE = ROOT / "docs/reference"

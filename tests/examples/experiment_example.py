@@ -21,11 +21,18 @@ MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 
 
 def refused(call, *arguments, **options):
-    """The one line that a call with wrong input ends in."""
-    with pytest.raises(InputError) as error:
+    """The error that a call with wrong input ends in: one line of place, found and expected."""
+    with pytest.raises(InputError) as caught:
         call(*arguments, **options)
-    assert re.fullmatch(r"[^\n]+: found [^\n]+, expected [^\n]+", str(error.value)), str(error.value)
-    return str(error.value)
+    error = caught.value
+    assert error.place and error.found and error.expected
+    assert str(error) == f"{error.place}: found {error.found}, expected {error.expected}"
+    return error
+
+
+def refusal_in(line):
+    """The error that a program printed as its last line."""
+    return InputError.at(*re.fullmatch(r"(.+?): found (.+), expected (.+)\n?", line).groups())
 
 
 def full_config():

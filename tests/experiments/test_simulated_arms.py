@@ -9,7 +9,6 @@ from safetensors.numpy import load_file
 
 from repro.board.frames import RADIANS_PER_COUNT
 from repro.config.sections import of_network
-from repro.errors import InputError
 from repro.experiments import simulated_arms
 from repro.experiments.accepted import read_experiments
 from repro.experiments.arm import program_from_config, true_parameters
@@ -47,8 +46,8 @@ def test_arms_of_both_laws_are_physical_and_the_motors_carry_them(monkeypatch):
     # Friction follows gravity in the arms as they are built, which it does not in those that train.
     assert correlation[1] > correlation[0] + 0.2
     monkeypatch.setattr(simulated_arms, "MOST_REFUSED", 10_000)
-    with pytest.raises(InputError, match=r"load_share.*: found none of"):
-        draw(np.random.default_rng(0), 500, changed(CONFIG, data={"tracked": {"load_share": 0.0}}))
+    none = changed(CONFIG, data={"tracked": {"load_share": 0.0}})
+    assert "load_share" in refused(draw, np.random.default_rng(0), 500, none).place
 
 
 def test_an_arm_tracks_if_it_is_near_in_the_trajectory_proper():
@@ -86,13 +85,13 @@ def test_torques_are_of_each_motion_and_f_is_of_the_one_that_was_sent(motions):
 
 
 def test_a_file_of_fewer_motions_is_refused(motions):
-    assert "position: found another shape" in refused(training_motion, small(7), motions)
-    assert "no readable safetensors file" in refused(training_motion, small(), motions.with_name("none"))
+    assert refused(training_motion, small(7), motions).place == f"{motions}: position"
     os.mkfifo(pipe := motions.with_name("pipe"))
-    assert "a pipe or a device" in refused(training_motion, small(), pipe)
+    for path in (motions.with_name("none"), pipe):
+        assert refused(training_motion, small(), path).place == str(path)
 
 
 def test_arms_that_do_not_track_end_in_one_line(tmp_path):
     config = changed(small(largest_error_rad=1e-6), signals={"duration_s": 0.5}, experiment={"lead_in_s": 0.1})
-    assert "arms that track" in refused(simulate_tracked, config, tmp_path / "out.safetensors")
+    refused(simulate_tracked, config, tmp_path / "out.safetensors")
     assert not list(tmp_path.iterdir())

@@ -14,18 +14,18 @@ from regression_example import exciting
 from repro.fitting import prepare
 from repro.fitting.evaluate import Fit, evaluate, fit, fit_all, inconsistency
 from repro.fitting.prepare import load_log
-from repro.fitting.text import IMPOSSIBLE, NOT_EXCITED
+from repro.fitting.text import AT_BOUND, IMPOSSIBLE, NO_INTERVAL, NOT_EXCITED, NOT_FROM_ZERO, known_to
 from repro.identification.filtering import MAX_DELAY
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate, Method
 from repro.identification.uncertainty import Uncertainty
+from repro.logs.diagnostics import left_out_torque
 from repro.model.parameters import NAMES, is_positive_definite
 
 pytestmark = pytest.mark.slow
 
 #: Standard normal numbers.
 WHITE = np.random.default_rng(8).normal(size=(2, 4800))
-HELD = "held at zero: the log alone would give it an impossible sign"
 
 
 @example([-0.5, 0.0, -0.2, *[0.1] * 6])
@@ -40,16 +40,16 @@ def test_parameters_are_inconsistent_exactly_where_a_reason_is_given(beta):
     assert ("I2 g1 g2 = " in why) == opposed
     for k, name in enumerate(NAMES):
         assert (f"{name} = {beta[k]:.3g} is negative" in why) == bool(k >= 5 and beta[k] < 0.0)
-    assert ("inertia matrix is not positive definite" in why) == (not is_positive_definite([*beta[:3], *np.ones(6)]))
+    assert ("I3 (I1 - I3) = " in why) == (not is_positive_definite([*beta[:3], *np.ones(6)]))
 
 
 @pytest.mark.parametrize(
     ("late", "torque", "why"),
     [
-        (0.05, lambda log: log.tau, "the delay of the torque is beyond the search range"),
-        (0.0, lambda log: [[1.0], [0.0]] * log.tau + [[0.0], [3.0]] * WHITE, "of joint 2 is little more than noise"),
-        (0.0, lambda log: log.tau[:, ::-1], "Eq. 1 predicts only 0 % of the squared torque of joint 2 from the rest"),
-        (0.0, lambda log: 0.4 * np.tanh(20.0 * np.gradient(log.q, log.t, axis=1)), "friction alone explains"),
+        (0.05, lambda log: log.tau, "delay"),
+        (0.0, lambda log: [[1.0], [0.0]] * log.tau + [[0.0], [3.0]] * WHITE, "joint 2"),
+        (0.0, lambda log: log.tau[:, ::-1], "0 % of the squared torque of joint 2"),
+        (0.0, lambda log: 0.4 * np.tanh(20.0 * np.gradient(log.q, log.t, axis=1)), "friction"),
         (0.0, lambda log: log.tau, ""),
         (0.0, lambda log: log.tau + 5.0 * log.tau.std(axis=1, keepdims=True) * WHITE, ""),
     ],
@@ -65,7 +65,7 @@ def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path,
     if why:
         assert {(p.low, p.high) for p in rows} == {(None, None)}
         verdicts = {p.verdict for p in rows} - {NOT_EXCITED}
-        assert all(text.startswith("no interval: ") and why in text for text in verdicts)
+        assert all(why in text for text in verdicts)
     else:
         assert all(p.low < true < p.high for p, true in zip(rows[3:5], BETA[3:5], strict=True))
 
@@ -74,14 +74,14 @@ def test_no_interval_is_claimed_where_eq_1_does_not_explain_the_torque(tmp_path,
     ("left", "by_friction", "at_limit", "delay", "why"),
     [
         ((0.49, 0.1), (1.0, 1.0), (0.0, 0.0), 0.0, ""),
-        ((0.1, 0.51), (1.0, 1.0), (0.0, 0.0), 0.0, "Eq. 1 predicts only 49 % of the squared torque of joint 2"),
-        ((0.041, 0.0), (1.0, 1.0), (0.51, 0.0), 0.0, "the torque of joint 1 is at its limit in 51 % of the samples"),
+        ((0.1, 0.51), (1.0, 1.0), (0.0, 0.0), 0.0, "49 % of the squared torque of joint 2"),
+        ((0.041, 0.0), (1.0, 1.0), (0.51, 0.0), 0.0, "51 %"),
         ((0.041, 0.0), (1.0, 1.0), (0.49, 0.0), 0.0, ""),
         ((0.039, 0.2), (1.0, 1.0), (0.51, 0.0), 0.0, ""),
-        ((0.4, 0.3), (0.5, 0.47), (0.0, 0.0), 0.0, "friction alone explains the torque nearly as well"),
+        ((0.4, 0.3), (0.5, 0.47), (0.0, 0.0), 0.0, "friction"),
         ((0.4, 0.3), (0.5, 0.49), (0.0, 0.0), 0.0, ""),
-        ((0.4, 0.0), (0.7, 1.0), (0.0, 0.0), 0.0, "friction alone explains the torque nearly as well"),
-        ((0.1, 0.1), (1.0, 1.0), (0.0, 0.0), 0.995 * MAX_DELAY, "the delay of the torque is beyond the search range"),
+        ((0.4, 0.0), (0.7, 1.0), (0.0, 0.0), 0.0, "friction"),
+        ((0.1, 0.1), (1.0, 1.0), (0.0, 0.0), 0.995 * MAX_DELAY, "delay"),
         ((0.1, 0.1), (1.0, 1.0), (0.0, 0.0), -0.985 * MAX_DELAY, ""),
     ],
 )
@@ -91,7 +91,7 @@ def test_intervals_are_doubted_from_their_limits_on(monkeypatch, left, by_fricti
     monkeypatch.setattr(prepare, "saturated", {"recorded": np.arange(1000) < 1000.0 * np.array(at_limit)[:, None]}.get)
     monkeypatch.setattr(prepare, "smoothed", lambda _: Mock(noisy_joints=list))
     found = prepare._interval_doubt(Mock(recorded="recorded", settings=Mock(delay=delay)), ARM)
-    assert found.startswith(why) and bool(found) == bool(why)
+    assert why in found and bool(found) == bool(why)
 
 
 def test_a_saturated_torque_is_left_out_of_the_fit(tmp_path):
@@ -101,7 +101,7 @@ def test_a_saturated_torque_is_left_out_of_the_fit(tmp_path):
     most = np.array([[0.7], [0.9]]) * np.abs(noisy_torque).max(axis=1, keepdims=True)
     loaded = load_log(replace(log, tau=np.clip(noisy_torque, -most, most)), ARM)
     np.testing.assert_array_equal(loaded.log.left_out, np.abs(noisy_torque) >= most)
-    assert sum("leaves them out" in line for line in loaded.description.warnings) == 2
+    assert len(list(left_out_torque(loaded.log))) == 2
     found = {}
     for name, used in (("without", loaded), ("with", replace(loaded, log=replace(loaded.log, left_out=None)))):
         rows = judged(problem_of_logs(used)).parameters
@@ -120,10 +120,10 @@ def test_the_verdict_names_a_condition_that_holds_whatever_the_size_of_the_torqu
     result, _ = solved(problem_of(r), ("consistent", "ordinary"))
     m, free = result.methods
     b2 = m.parameters[6]
-    assert (b2.verdict, b2.estimate, b2.standard_error, b2.low, b2.high) == (HELD, 0.0, None, None, None)
+    assert (b2.verdict, b2.estimate, b2.standard_error, b2.low, b2.high) == (AT_BOUND, 0.0, None, None, None)
     assert free.parameters[6].low < factor * beta[6] < free.parameters[6].high
     assert (m.consistent, free.consistent) == (True, False)
-    assert [p.verdict for p in m.parameters].count(HELD) == 1
+    assert [p.verdict for p in m.parameters].count(AT_BOUND) == 1
     assert result.excitation.unexcited == ()
 
 
@@ -139,9 +139,9 @@ def with_interval(share, reach):
 def test_a_parameter_that_moves_next_to_nothing_is_not_excited_unless_it_is_known():
     # Just below and above a five-hundredth of the RMS torque of joint 2.
     assert with_interval(0.0019, 1.5) == NOT_EXCITED
-    assert with_interval(0.0021, 1.5) == "cannot be distinguished from zero"
-    assert with_interval(0.0019, 0.03) == with_interval(0.0021, 0.03) == "known to 3 %"
-    assert with_interval(1e-5, 0.3) == "known to 30 %"
+    assert with_interval(0.0021, 1.5) == NOT_FROM_ZERO, known_to
+    assert with_interval(0.0019, 0.03) == with_interval(0.0021, 0.03) == known_to("3")
+    assert with_interval(1e-5, 0.3) == known_to("30")
 
 
 def test_only_what_depends_on_where_masses_are_may_be_negative():
@@ -159,7 +159,7 @@ def test_a_method_without_intervals_or_consistent_parameters_says_so():
     assert found.halves == ()  # each would train another network
     m = evaluate(found, problem, (None,))
     assert (m.claims_intervals, m.consistent) == (False, False)
-    assert {p.verdict for p in m.parameters} == {"the method claims no interval"}
+    assert {p.verdict for p in m.parameters} == {NO_INTERVAL}
     assert {(p.standard_error, p.low, p.high) for p in m.parameters} == {(None, None, None)}
 
 

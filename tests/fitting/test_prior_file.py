@@ -15,6 +15,7 @@ from repro.cli import main
 from repro.fitting.export import horizontal_links_of
 from repro.fitting.outputs import write_result
 from repro.fitting.prior import read_prior, with_plane
+from repro.fitting.text import FIXED
 from repro.model.parameters import NAMES, UNITS, inertial_from_links
 
 LEVEL = replace(ARM, plane="horizontal", link_lengths=(0.3, 0.25))
@@ -33,28 +34,29 @@ def test_a_prior_is_read_from_values_and_from_a_result():
     assert np.flatnonzero(~np.isfinite(prior.sd)).tolist() == [1]
     assert (prior.mean[0], prior.sd[0]) == pytest.approx((2.0, 0.1))
     rows[0]["low"] = 2.2
-    assert "I1.low: found 2.2, expected a number up to high, 2.196" in refused(read_prior, result)
+    error = refused(read_prior, result)
+    assert error.place.endswith("I1.low") and error.found == "2.2"
 
 
 @pytest.mark.parametrize(
-    ("content", "words"),
+    ("content", "place", "found"),
     [
-        ([], "no parameter with a standard deviation"),
-        ({"g3": GOOD}, "g3: found no parameter"),
-        ({"g1": 1.0}, "g1: found 1.0, expected value and sd"),
-        ({"g1": {"value": 1.0}}, "g1: found {'value': 1.0}"),
-        ({"g1": {"value": "1", "sd": 0.1}}, "g1.value: found '1', expected a number"),
-        ({"g1": {"value": 1.0, "sd": -0.1}}, "g1.sd: found -0.1, expected a number from 0"),
-        ({"g1": {"value": 1.0, "sd": 1e-9}}, "g1.sd: found 1e-09, expected 0 for a known value"),
-        ({"b1": {"value": -1.0, "sd": 0.1}}, "b1.value: found -1.0, expected a number from 0"),
-        ({"methods": []}, "no recommended method"),
+        ([], "", ""),
+        ({"g3": GOOD}, "g3", "no parameter"),
+        ({"g1": 1.0}, "g1", "1.0"),
+        ({"g1": {"value": 1.0}}, "g1", "{'value': 1.0}"),
+        ({"g1": {"value": "1", "sd": 0.1}}, "g1.value", "'1'"),
+        ({"g1": {"value": 1.0, "sd": -0.1}}, "g1.sd", "-0.1"),
+        ({"g1": {"value": 1.0, "sd": 1e-9}}, "g1.sd", "1e-09"),
+        ({"b1": {"value": -1.0, "sd": 0.1}}, "b1.value", "-1.0"),
+        ({"methods": []}, "", ""),
     ],
 )
-def test_a_bad_prior_is_refused_in_one_line(tmp_path, content, words):
+def test_a_bad_prior_is_refused_in_one_line(tmp_path, content, place, found):
     file = tmp_path / "prior.json"
     file.write_text(json.dumps(content))
-    line = refused(read_prior, file)
-    assert line.startswith(f"{file}: ") and words in line
+    error = refused(read_prior, file)
+    assert error.place == f"{file}: {place}".removesuffix(": ") and error.found.startswith(found)
 
 
 def test_a_prior_is_refused_next_to_algorithm_1(tmp_path):
@@ -80,18 +82,18 @@ def test_an_arm_in_a_horizontal_plane(tmp_path, no_figures):
     problem = prepared_from_file(tmp_path, LEVEL, beta=level)
     result, curves = solved(problem, ("weighted", "bounded"), LEVEL)
     upright, _ = solved(prepared_from_file(tmp_path, LEVEL), ("ordinary",), LEVEL)
-    for warnings, lines in ((result.warnings, 0), (upright.warnings, 2)):
-        assert sum(line.startswith("the log contradicts g") for line in warnings) == lines
+    for of, lines in ((result, 0), (upright, 2)):
+        assert sum("contradicts" in line for line in of.warnings) == lines
     for method in result.methods:
         found = np.array([p.estimate for p in method.parameters])
         assert (found[3:5] == 0.0).all()
         assert found == pytest.approx(level, rel=0.02, abs=1e-9), method.method
         assert max(method.fit.position_rms) < 2e-3
-        assert all(p.verdict.startswith("not estimated") for p in method.parameters[3:5])
+        assert all(p.verdict == FIXED for p in method.parameters[3:5])
     write_result(tmp_path / "out", result, curves, LEVEL)
     assert 'gravity="0.0 0.0 0.0"' in (tmp_path / "out/arm.xml").read_text(encoding="utf-8")
     links = horizontal_links_of(found, LEVEL.link_lengths)
     assert (links.l1, links.lc1) == pytest.approx((0.3, 0.15))  # a uniform rod
     assert inertial_from_links(links)[:3] == pytest.approx(found[:3], rel=1e-9)
     assert "no-links.txt" in write_result(tmp_path / "none", result, curves, replace(LEVEL, link_lengths=None))
-    assert "plane of the arm is horizontal" in refused(with_plane, read_prior({"g1": GOOD}), LEVEL)
+    assert "g1" in refused(with_plane, read_prior({"g1": GOOD}), LEVEL).place

@@ -126,20 +126,21 @@ def test_expected_intervals_are_those_of_repeated_least_squares(motion):
 
 
 @pytest.mark.parametrize(
-    ("keys", "guess", "words"),
+    ("keys", "guess", "field", "expected"),
     [
-        ({"position_limit": None}, None, "position_limit: found nothing, expected two ranges, rad"),
-        ({"speed_limit": None}, None, "speed_limit: found nothing, expected two numbers above 0"),
-        ({"workspace": BOTH}, None, "link_lengths: found nothing, expected two numbers above 0, m, because"),
-        ({"workspace": ((0, 1), (0, 1)), "link_lengths": (0.2, 0.2)}, None, "for the arm at rest at 0, 0 rad"),
+        ({"position_limit": None}, None, "position_limit", "rad"),
+        ({"speed_limit": None}, None, "speed_limit", "rad/s"),
+        ({"workspace": BOTH}, None, "link_lengths", "m,"),
+        ({"workspace": ((0, 1), (0, 1)), "link_lengths": (0.2, 0.2)}, None, "workspace", "0, 0 rad"),
         (
             {"workspace": ((0, 1), (0, 1)), "link_lengths": (0.2, 0.2), "torque_limit": (99, 99)},
             BETA,
-            "workspace: found",
+            "workspace",
+            "",
         ),
-        (WEAK, BETA, "torque_limit: found (0.5, 1.0), expected room for the arm at rest at 1.5, 0 rad"),
+        (WEAK, BETA, "torque_limit", "1.5, 0 rad"),
     ],
 )
-def test_limits_that_are_missing_or_leave_no_room_are_refused(keys, guess, words):
-    line = refused(Envelope, Arm(**({"position_limit": BOTH, "speed_limit": (1, 1)} | keys)), guess)
-    assert line.startswith("arm file: ") and words in line
+def test_limits_that_are_missing_or_leave_no_room_are_refused(keys, guess, field, expected):
+    error = refused(Envelope, Arm(**({"position_limit": BOTH, "speed_limit": (1, 1)} | keys)), guess)
+    assert error.place == f"arm file: {field}" and expected in error.expected

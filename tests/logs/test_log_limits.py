@@ -25,9 +25,9 @@ GOOD = columns(recording(np.arange(600) / 200.0))
 
 def refusal(path):
     began = time.process_time()
-    line = refused(read_log, path, Arm())
+    error = refused(read_log, path, Arm())
     assert time.process_time() - began < 5.0
-    return line
+    return error
 
 
 @pytest.fixture
@@ -60,16 +60,17 @@ def test_blocks_change_nothing(file, monkeypatch, size, old, new):
 
 def test_too_many_rows_are_refused_and_a_file_too_large_unread(file, monkeypatch):
     monkeypatch.setattr(table, "MAX_ROWS", 599)
-    assert "found more than 599 rows, expected at most 599" in refusal(file(text(GOOD)))
+    assert "599" in refusal(file(text(GOOD))).found
     path = file("time,q1\n")
     os.truncate(path, table.MAX_FILE_BYTES + 1)  # takes no room on the disk
-    assert f"size: found {table.MAX_FILE_BYTES + 1} bytes" in refusal(path)
+    error = refusal(path)
+    assert error.place == f"{path}: size" and error.found.startswith(str(table.MAX_FILE_BYTES + 1))
 
 
 def test_missing_columns_are_found_in_the_header(file):
     path = file("time,q1,q2\n" + "0.1,0.2,0.3\n" * 2_000_000)
     tracemalloc.start()
-    assert "expected a column for tau1, tau2" in refusal(path)
+    assert "tau1, tau2" in refusal(path).expected
     assert tracemalloc.get_traced_memory()[1] < 30e6
     tracemalloc.stop()
 
@@ -78,11 +79,10 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     for name in ("pipe.csv", "pipe.bin"):
         os.mkfifo(tmp_path / name)
     for path in (tmp_path / "pipe.csv", tmp_path / "pipe.bin", Path("/dev/zero"), Path("/dev/full")):
-        assert refusal(path).startswith(f"{path}: found a pipe or a device")
-        assert "found a pipe or a device" in refused(read_arm, path)
-    assert "log.csv: found no such file or directory, expected a CSV table" in refusal(tmp_path / "log.csv")
-    assert "log.bin: found no such file" in refusal(tmp_path / "log.bin")
-    assert "found a folder, expected a CSV table" in refusal(tmp_path)
+        assert refused(read_arm, path).place == str(path)
+        assert refusal(path).place == str(path)
+    for path in (tmp_path / "log.csv", tmp_path / "log.bin", tmp_path):
+        assert refusal(path).place == str(path)
 
 
 @pytest.mark.slow

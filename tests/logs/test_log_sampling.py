@@ -1,6 +1,7 @@
 """Sampling: jitter, gaps, rounded times, encoder steps and saturation."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from strategies import seeds
 from repro.fitting.prepare import load_log
 from repro.identification.armfile import Arm
 from repro.identification.log import uniform
-from repro.logs.diagnostics import describe
+from repro.logs.diagnostics import describe, left_out_torque
 from repro.logs.torque_limits import quantisation_step, saturated, unreliable_torque
 
 GOOD = recording()
@@ -33,7 +34,6 @@ def test_jitter_is_interpolated_away_in_each_piece(seed, jitter, pause):
     truth = recording(t[0] + log.t)
     assert_same(log, dataclasses.replace(truth, t=log.t), q=2e-5, dq=1e-2, tau=0.2)
     assert np.sqrt(np.mean((log.tau - truth.tau) ** 2)) < 0.01
-    assert "resampled to an even " in log.notes[-1]
     assert uniform(log) is log
 
 
@@ -41,7 +41,7 @@ def test_rounded_times_are_no_jitter():
     even = recording(np.arange(3000) / 300)
     rounded = log_of(dataclasses.replace(even, t=np.round(even.t, 3)))
     log = uniform(rounded)
-    assert log.notes == ("times are rounded to 0.001 s; samples are taken as evenly spaced at 300 Hz",)
+    assert len(log.notes) == 1 and {"0.001", "300"} <= set(log.notes[0].split())
     np.testing.assert_array_equal(log.q, even.q)
     np.testing.assert_allclose(log.t, even.t, atol=1e-4)
     assert describe(rounded, Arm()).warnings == ()
@@ -59,34 +59,36 @@ def without(begin, end):
 
 def test_short_gaps_are_bridged_with_a_note():
     log = uniform(without(1000, 1005))
-    assert "5 missing samples are bridged by interpolation" in log.notes
+    assert any(note.startswith("5 ") for note in log.notes)
     np.testing.assert_allclose(log.t, GOOD.t, atol=1e-9)
     np.testing.assert_allclose(log.q, GOOD.q, atol=1e-5)
-    assert dict(describe(without(1000, 1005), Arm()).facts)["gaps"] == "1, 5 samples missing, the longest 30 ms"
+    gaps = dict(describe(without(1000, 1005), Arm()).facts)["gaps"]
+    assert re.findall(r"\d+", gaps) == ["1", "5", "30"]  # gap, samples, ms
 
 
 def test_a_long_gap_splits_the_log_and_pieces_that_are_too_short_are_left_out():
     log = uniform(without(1000, 1010))
-    assert log.notes == ("1 gap of up to 0.055 s: the log is used in 2 pieces of 4.995, 6.945 s",)
+    assert [re.findall(r"[\d.]+\d|\d", note) for note in log.notes] == [["1", "0.055", "2", "4.995", "6.945"]]
     assert_same(log, recording(np.delete(GOOD.t, slice(1000, 1010))))
     assert [piece.t.size for piece in log.pieces] == [1000, 1390]
     assert log.longest.t[0] == GOOD.t[1010]
     assert uniform(log) is log
     log = uniform(without(300, 1000))
-    assert log.notes == ("1 gap of up to 3.5 s: the log is used in 1 piece of 6.995 s; 1 too short, left out",)
+    assert [re.findall(r"[\d.]+\d|\d", note) for note in log.notes] == [["1", "3.5", "1", "6.995", "1"]]
     assert log.breaks == ()
     np.testing.assert_allclose(log.t, GOOD.t[1000:], atol=1e-9)
     np.testing.assert_allclose(log.tau, GOOD.tau[:, 1000:], atol=1e-12)
     thin = log_of(recording(np.r_[0.0:3.0:0.02, 4.0:14.0:0.02]))
     assert uniform(thin).t.size == 500  # 150 samples are too few, though they last 3 s
-    assert "log.csv: time: found 1 gap of up to 8.5 s, 1.99 s" in refused(uniform, without(300, 2000))
+    error = refused(uniform, without(300, 2000))
+    assert error.place == "log.csv: time" and re.findall(r"\d+\.\d+", error.found)[:2] == ["8.5", "1.99"]
 
 
 def test_samples_close_together_do_no_harm():
     r = recording(np.sort(np.r_[GOOD.t, GOOD.t[500:520] + 1e-6]))
     noisy = dataclasses.replace(r, q=np.round(r.q / 7.5e-4) * 7.5e-4)  # two readings of a step of the encoder
     log = uniform(log_of(noisy))
-    assert "20 samples less than 1.2 ms after another are left out" in log.notes
+    assert any(note.startswith("20 samples") for note in log.notes)
     np.testing.assert_allclose(log.q, GOOD.q, atol=1e-3)
 
 
@@ -130,8 +132,8 @@ def test_a_torque_that_the_motion_contradicts_is_left_out(log, joint, samples):
     loaded = load_log(log, Arm())
     np.testing.assert_array_equal(loaded.log.left_out[joint - 1], samples)
     assert not loaded.log.left_out[2 - joint].any()
-    (warning,) = (line for line in loaded.description.warnings if "leaves them out" in line)
-    assert f"joint {joint} is at a limit or stuck in {samples.sum()} samples" in warning
+    (warning,) = left_out_torque(loaded.log)
+    assert {f"{joint}", f"{samples.sum()}"} <= set(warning.split()) and warning in loaded.description.warnings
 
 
 def in_steps(size):
@@ -158,5 +160,5 @@ def test_left_out_samples_go_with_their_pieces():
     log = log_of(GOOD, left_out=left_out, breaks=(1200,))
     assert [piece.left_out.sum(axis=1).tolist() for piece in log.pieces] == [[0, 5], [0, 10]]
     assert uniform(log) is log
-    line = refused(log_of, GOOD, left_out=left_out[:, :7])
-    assert line.startswith("log.csv: left_out: found bool of shape (2, 7), expected bool of shape")
+    error = refused(log_of, GOOD, left_out=left_out[:, :7])
+    assert error.place == "log.csv: left_out" and "(2, 7)" in error.found

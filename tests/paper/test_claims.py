@@ -292,7 +292,7 @@ def test_a_missing_result_is_named(stored, tmp_path):
     folder = shutil.copytree(stored, tmp_path / "results")
     for name in reversed(FILES):
         (folder / name).unlink()
-        assert name in refused(Results, folder)
+        assert name in refused(Results, folder).place
 
 
 @pytest.mark.parametrize(
@@ -311,8 +311,8 @@ def test_a_damaged_table_is_named(stored, tmp_path, name, old, new, named):
     text = file.read_text()
     assert old in text
     file.write_text(text.replace(old, new, 1), encoding="utf-8")
-    line = refused(lambda: compute(PUBLISHED, SETTINGS, Results(tmp_path / "results")))
-    assert str(file) in line and re.search(named, line)
+    error = refused(lambda: compute(PUBLISHED, SETTINGS, Results(tmp_path / "results")))
+    assert str(file) in error.place and re.search(named, str(error))
 
 
 def test_a_parameter_has_the_seeds_of_its_arm_and_not_twice_for_its_joints(stored):

@@ -100,7 +100,7 @@ def test_only_the_papers_own_training_uses_its_settings():
 
 def test_a_number_without_a_value_of_ours_is_named(results):
     more = replace(PUBLISHED["section3/joints"], id="section3/fingers")
-    assert "'section3/fingers'" in refused(compute, Published((*PUBLISHED, more)), SETTINGS, results)
+    assert "'section3/fingers'" in str(refused(compute, Published((*PUBLISHED, more)), SETTINGS, results))
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from types import SimpleNamespace
 import pytest
 import yaml
 from claims_example import write_results
-from experiment_example import changed, full_config
+from experiment_example import changed, full_config, refusal_in
 from kept import same
 from snakemake.api import ConfigSettings, DAGSettings, OutputSettings, ResourceSettings, SnakemakeApi
 from snakemake.cli import main
@@ -173,7 +173,7 @@ def test_a_serial_port_is_opened_by_one_job_at_a_time(full, quick):
 
 
 def refused(folder, *arguments):
-    """The one line that a run ends with, and exit code 2."""
+    """The error of the one line that a run ends with, and exit code 2."""
     options = ["--snakefile", str(ROOT / "Snakefile"), "--cores", "1", "--dry-run", *arguments]
     said = io.StringIO()
     with (
@@ -190,24 +190,24 @@ def refused(folder, *arguments):
     (line,) = (line for line in said.getvalue().splitlines() if ": found " in line)
     assert not re.search(r"Traceback|Error in|Exception|File \"", said.getvalue())
     assert not (folder / "results").exists()
-    return line
+    return refusal_in(line)
 
 
 def test_a_bad_configuration_ends_the_run_with_one_line(tmp_path):
     folder = project(tmp_path)
     overlay, captures = folder / "my.yaml", folder / "mine"
     overlay.write_text("training: {stepz: 5}", encoding="utf-8")
-    assert refused(folder, "--configfile", str(overlay)).startswith(f"{overlay}: training.stepz: found an unknown key")
+    assert refused(folder, "--configfile", str(overlay)).place == f"{overlay}: training.stepz"
     captures.mkdir()
     for file in (ROOT / "data/captures").glob("*.[bpj]*"):
         (captures / file.name).symlink_to(file)
     overlay.write_text("experiment: {captures: mine}", encoding="utf-8")
     (captures / "T2.json").unlink()
-    line = refused(folder, "claims", "--configfile", str(overlay))
-    assert line.startswith(f"{overlay}: experiment.captures: found ") and "T2.json" in line
+    error = refused(folder, "claims", "--configfile", str(overlay))
+    assert error.place == f"{overlay}: experiment.captures" and "T2.json" in str(error)
     (folder / "data").unlink()
-    line = refused(folder, "results/quick/model/training.csv", "--configfile", str(QUICK))
-    assert "quick.yaml: training.source: found stored, expected a folder with the stored networks" in line
+    error = refused(folder, "results/quick/model/training.csv", "--configfile", str(QUICK))
+    assert error.place.endswith("quick.yaml: training.source") and error.found == "stored"
 
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.

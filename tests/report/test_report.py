@@ -161,32 +161,31 @@ def test_a_whole_report_refuses_a_missing_or_empty_file_in_one_line(inputs, name
     try:
         for spoil in (path.unlink, lambda: path.write_bytes(b" \n")):
             spoil()
-            message = refused(build_report, inputs)
-            assert str(path) in message
-            assert path.exists() or "found no such file or directory, expected " in message
+            assert str(path) in refused(build_report, inputs).place
     finally:
         path.write_bytes(whole)
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "place", "found"),
     [
-        ({"verdict": "fine"}, "row 3: verdict: found 'fine', expected one of reproduced"),
-        ({"asserted": "perhaps"}, "row 3: asserted: found 'perhaps', expected one of '', 'reproduced'"),
-        ({"basis": "faith"}, "row 3: basis: found 'faith', expected one of 'numeric'"),
-        ({"cause": "bad luck"}, "row 3: cause: found 'bad luck'"),
-        ({"place": " "}, "row 3: place: found nothing"),
-        ({"id": "with blank"}, "row 3: id: found 'with blank'"),
-        ({"id": claim_rows()[0]["id"]}, "row 3: id: found"),
+        ({"verdict": "fine"}, "row 3: verdict", "'fine'"),
+        ({"asserted": "perhaps"}, "row 3: asserted", "'perhaps'"),
+        ({"basis": "faith"}, "row 3: basis", "'faith'"),
+        ({"cause": "bad luck"}, "row 3: cause", "'bad luck'"),
+        ({"place": " "}, "row 3: place", "nothing"),
+        ({"id": "with blank"}, "row 3: id", "'with blank'"),
+        ({"id": claim_rows()[0]["id"]}, "row 3: id", ""),
     ],
 )
-def test_a_wrong_row_of_the_ledger_is_refused(tmp_path, change, words):
+def test_a_wrong_row_of_the_ledger_is_refused(tmp_path, change, place, found):
     rows = claim_rows()
     rows[2] |= change
     write_csv(tmp_path / "claims.csv", pd.DataFrame(rows))
-    assert words in refused(read_claims, tmp_path / "claims.csv")
+    error = refused(read_claims, tmp_path / "claims.csv")
+    assert error.place == f"{tmp_path / 'claims.csv'}: {place}" and error.found.startswith(found)
     write_csv(tmp_path / "claims.csv", pd.DataFrame(rows).drop(columns="note"))
-    assert "header: found no column note" in refused(read_claims, tmp_path / "claims.csv")
+    assert refused(read_claims, tmp_path / "claims.csv").place.endswith("header")
 
 
 def test_a_report_without_captures_has_no_sums_of_them(inputs):
@@ -195,7 +194,8 @@ def test_a_report_without_captures_has_no_sums_of_them(inputs):
 
 def test_a_report_too_large_to_open_is_refused(inputs, monkeypatch):
     monkeypatch.setattr(page_module, "LARGEST_REPORT", 10_000)
-    assert re.search(r"index\.html: found [01]\.\d MB, expected 0\.01 MB at most", refused(build_report, inputs))
+    error = refused(build_report, inputs)
+    assert error.place.endswith("index.html") and float(error.found.split()[0]) > 0.01
 
 
 def test_provenance_is_shown_where_it_was_given(inputs, page, text):

@@ -127,8 +127,8 @@ def test_motions_that_no_arm_can_do_end_with_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr("repro_studies.arms.stream", used := Mock(side_effect=stream))
     study = {"excitations": ["optimal", "random"], "priors": ["narrow"], "arms": 2}
     config = changed(CONFIG, signals={"duration_s": 4.0}, experiment={"t1": {"range_of": "motion"}}, study=study)
-    message = refused(choose, config, tmp_path / "arms.safetensors")
-    assert "study.arms: found 2, expected at most 0" in message
+    error = refused(choose, config, tmp_path / "arms.safetensors")
+    assert error.place.endswith("study.arms") and error.found == "2"
     uses = [(Stream.STUDY_MOTION, 1), (Stream.STUDY_MOTION, 0), (Stream.STUDY_ARMS, 1)]
     uses += [(Stream.STUDY_VALIDATION, 1, k) for k in range(2)]
     assert [call.args[1:] for call in used.call_args_list] == uses

@@ -303,7 +303,7 @@ def record_capture(
             raw.close()
             capture = write_capture(out, data, metadata, overwrite)
     except InputError as error:
-        raise InputError(f"{error}{raw.rescue()}") from error
+        raise InputError.at(error.place, error.found, f"{error.expected}{raw.rescue()}") from error
     except BaseException:
         raw.rescue()
         raise

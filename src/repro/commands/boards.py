@@ -173,7 +173,7 @@ def program_of(config: "Configuration", trajectory: str) -> "ReferenceTrajectory
     try:
         check_program(config, program)
     except InputError as error:
-        raise InputError(f"{trajectory}: {error}") from error
+        raise InputError.at(f"{trajectory}: {error.place}", error.found, error.expected) from error
     return program
 
 

@@ -68,8 +68,8 @@ seconds = number(0.1, 3600.0, "a time in s")
 @contextmanager
 def options_named(*names: str) -> Iterator[None]:
     """Report these arguments of a function as the options that they are on the command line."""
-    places = tuple(f"{name}:" for name in names)  # a log may have the name of an option
     try:
         yield
     except InputError as error:
-        raise InputError(f"{'--' * str(error).startswith(places)}{error}") from error
+        argument = error.place.partition(":")[0] in names  # a log may have the name of an option
+        raise InputError.at(f"{'--' * argument}{error.place}", error.found, error.expected) from error

@@ -133,6 +133,6 @@ def read_shown(exhibit: Exhibit, csv_path: Path) -> Table | Figure:
     try:
         return exhibit.draw(frame)
     except InputError as error:
-        raise InputError(f"{csv_path}: {error}") from error
+        raise InputError.at(f"{csv_path}: {error.place}", error.found, error.expected) from error
     except KeyError as error:  # of another version
         raise InputError.at(str(csv_path), f"no {error}", "the columns and names that this version writes") from error

@@ -32,6 +32,10 @@ NOT_EXCITED = "not excited by this motion"
 FIXED = "not estimated: given as known"
 IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
 COMBINED = "determined in a combination only, see the base parameters"
+AT_BOUND = "held at zero: the log alone would give it an impossible sign"
+NO_INTERVAL = "the method claims no interval"
+NOT_FROM_ZERO = "cannot be distinguished from zero"
+SIGN_KNOWN = "sign known, size only roughly"
 #: Warning where no single arm file is right for all logs.
 DIFFERENT_ERRORS = (
     "the logs have different calibration errors: no single arm file corrects them all. Either a zero was set again "
@@ -39,6 +43,11 @@ DIFFERENT_ERRORS = (
 )
 #: Calibration errors by their names without the joint.
 CALIBRATION_LABELS = {"zero": "zero", "offset": "offset of the torque", "scale": "scale of the torque"}
+
+
+def known_to(percent: str) -> str:
+    """Give the verdict on a parameter with a narrow interval."""
+    return f"known to {percent} %"
 
 
 def verdict(
@@ -55,14 +64,14 @@ def verdict(
     if not determined:
         return COMBINED if excited else NOT_EXCITED
     if at_bound:
-        return "held at zero: the log alone would give it an impossible sign"
+        return AT_BOUND
     if low is None or high is None:
-        none = f"no interval: {doubt}" if doubt else "the method claims no interval"
+        none = f"no interval: {doubt}" if doubt else NO_INTERVAL
         return none if excited else NOT_EXCITED
     if low <= 0.0 <= high:
-        return "cannot be distinguished from zero" if excited else NOT_EXCITED
+        return NOT_FROM_ZERO if excited else NOT_EXCITED
     share = 0.5 * (high - low) / abs(estimate)
-    known = f"known to {_round_up(share)} %" if share <= MAX_KNOWN_SHARE else "sign known, size only roughly"
+    known = known_to(_round_up(share)) if share <= MAX_KNOWN_SHARE else SIGN_KNOWN
     return known if possible else IMPOSSIBLE
 
 
