@@ -29,6 +29,8 @@ SHOWN = 4
 ARM = ("signals", "arm", "board", "experiment")
 USED = ("signals", "network", "data", "image", "training", "metric", "algorithm1", "refinement")
 EXPERIMENTS = "data/experiments/accepted.csv"
+#: Modules that check input, print and write: a change refuses or reports something else, and computes the same.
+NOT_DECIDING = ("repro.documents:", "repro.errors:", "repro.files:", "repro.progress:", "repro.fingerprint:")
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,11 @@ def digests(*names: str, root: Path = ROOT) -> dict[str, dict[str, Any]]:
         files = sorted(path for pattern in result.inputs for path in root.glob(pattern))
         inputs = {path.relative_to(root).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
         found[name] = {
-            "code": dict(line.rsplit(" ", 1) for line in (*code.of(*result.code), *scripts)),
+            "code": dict(
+                line.rsplit(" ", 1)
+                for line in (*code.of(*result.code), *scripts)
+                if not line.startswith(NOT_DECIDING)
+            ),
             "settings_sha256": config_digest({**stated(config, *result.sections), "inputs": inputs}),
         }
     return found
