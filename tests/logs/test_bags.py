@@ -101,7 +101,7 @@ def test_bags_that_cannot_be_read(tmp_path, monkeypatch):
     for content in (b"", b"no bag", whole[: len(whole) // 2]):
         (tmp_path / "bad.mcap").write_bytes(content)
         assert refusal(tmp_path / "bad.mcap").place == str(tmp_path / "bad.mcap")
-    monkeypatch.setattr("repro.logs.table.MAX_MESSAGES", 599)
+    monkeypatch.setattr("repro.logs.bag.MAX_MESSAGES", 599)
     error = refusal(tmp_path / "arm")
     assert (error.place, error.found) == (f"{tmp_path / 'arm'}: /joint_states", "600 messages")
     (tmp_path / "metadata.yaml").write_text("- nothing\n")
