@@ -16,7 +16,7 @@ from log_example import columns, recording, text, write
 from repro.errors import InputError
 from repro.identification.armfile import Arm, read_arm
 from repro.identification.log import uniform
-from repro.logs import table
+from repro.logs import plain_text, table
 from repro.logs.diagnostics import describe
 from repro.logs.load import read_log
 
@@ -54,7 +54,7 @@ def test_blocks_change_nothing(file, monkeypatch, size, old, new):
 
     whole = read()
     monkeypatch.setattr(table, "_LINES_PER_BLOCK", size)
-    monkeypatch.setattr(table, "MAX_LINE_BYTES", 100 * size)
+    monkeypatch.setattr(plain_text, "MAX_LINE_BYTES", 100 * size)
     assert read() == whole
 
 
@@ -62,9 +62,9 @@ def test_too_many_rows_are_refused_and_a_file_too_large_unread(file, monkeypatch
     monkeypatch.setattr(table, "MAX_ROWS", 599)
     assert "599" in refusal(file(text(GOOD))).found
     path = file("time,q1\n")
-    os.truncate(path, table.MAX_FILE_BYTES + 1)  # takes no room on the disk
+    os.truncate(path, plain_text.MAX_FILE_BYTES + 1)  # takes no room on the disk
     error = refusal(path)
-    assert error.place == f"{path}: size" and error.found.startswith(str(table.MAX_FILE_BYTES + 1))
+    assert error.place == f"{path}: size" and error.found.startswith(str(plain_text.MAX_FILE_BYTES + 1))
 
 
 def test_missing_columns_are_found_in_the_header(file):

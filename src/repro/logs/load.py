@@ -12,9 +12,10 @@ from repro.board.capture import read_capture, recording_of
 from repro.errors import InputError, shown
 from repro.identification.armfile import Arm, Signal, read_arm
 from repro.identification.log import MIN_LENGTH_S, MIN_RANGE_RAD, MIN_SAMPLES, Log, segments
+from repro.logs.bag import is_bag, read_bag
 from repro.logs.columns import KINDS, SIMULATED, SPELLINGS, find_columns, si_factor, unused_constants
 from repro.logs.instants import continued, merged, unwrapped
-from repro.logs.table import Table, is_bag, list_lines, read_bag, read_table, table_of
+from repro.logs.table import Table, list_lines, read_table, table_of
 from repro.logs.torque_limits import saturated
 from repro.model.parameters import Array
 

@@ -1,56 +1,34 @@
-"""A CSV file or a ROS 2 bag as columns of numbers; errors are reported by line and column."""
+"""A CSV file as columns of numbers; errors are reported by line and column."""
 
-import codecs
 import csv
 import math
 import re
-import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from repro.documents import check_size
-from repro.errors import InputError, failure, require, shown
+from repro.errors import InputError, shown
 from repro.logs.columns import SPELLINGS, unit_named
 from repro.logs.instants import seconds_of
+from repro.logs.plain_text import EXPECTED, check_text
 from repro.model.parameters import Array
 
 MAX_ROWS, MAX_COLUMNS = 1_000_000, 1000  # most rows and columns of a log
-MAX_FILE_BYTES, MAX_LINE_BYTES = 512 << 20, 1 << 20  # largest file, and most bytes without a line end
 _MAX_COMMENT_LINES = 1000  # most lines of comments before the header
 _LINES_PER_BLOCK = 2_000  # lines that are read at a time
 COMMENTS = ("#", "%")  # what lines of comments begin with
-_EXPECTED = "a CSV table: a header, then rows of numbers"
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 #: Numbers with a decimal comma, and those among them that could be integers with digits in groups.
 _COMMA, _GROUPS = re.compile(r"[+-]?\d*,\d*([eE][+-]?\d+)?"), re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 #: Cells that programs write where there is no number.
 _EMPTY = frozenset(("", "nan", "-nan", "nan(ind)", "-nan(ind)", "null", "none", "na", "n/a"))
-_CONTROL = re.compile(rb"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
-_OTHER_FORMATS = {
-    (b"\xff\xfe\x00\x00", b"\x00\x00\xfe\xff"): ("UTF-32 text", "UTF-8 text, a CSV table"),
-    (b"\xff\xfe", b"\xfe\xff"): ("UTF-16 text", "UTF-8 text, a CSV table"),
-    (b"MATLAB 5.0 MAT",): (
-        "a file of MATLAB",
-        f"{_EXPECTED}; in MATLAB: writetable(table(t, q1, q2, tau1, tau2), 'log.csv')",
-    ),
-    (b"\x89HDF",): ("an HDF5 file, as MATLAB writes it, too", f"{_EXPECTED}; in Python: h5py, then to_csv of pandas"),
-    (b"\x93NUMPY",): ("an array of NumPy", f"{_EXPECTED}; in Python: pandas.DataFrame(array, columns=NAMES).to_csv"),
-    (b"PK\x03\x04", b"\x1f\x8b"): (
-        "a compressed file, arrays of NumPy (.npz) or a spreadsheet",
-        f"{_EXPECTED}, not packed",
-    ),
-    (b"{", b"[{"): ("JSON", f"{_EXPECTED}; in Python: pandas.read_json(FILE, lines=True).to_csv"),
-}
-
 #: Line of the file, from 1, and as many cells as the header has, of each row.
 Rows = list[tuple[int, list[str]]]
 
@@ -183,7 +161,7 @@ def table_of(frame: pd.DataFrame, file: str) -> Table:
     columns = [[_cell(value) for value in frame[name]] for name in frame.columns]
     rows = [(number, list(cells)) for number, cells in enumerate(zip(*columns, strict=True), 1)]
     if not rows:
-        raise InputError.at(file, "no rows", _EXPECTED)
+        raise InputError.at(file, "no rows", EXPECTED)
     return Table(file, names, lambda: [rows])
 
 
@@ -259,12 +237,12 @@ def _first_lines(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:
         elif not _is_numbers(first[1]):
             for second in lines:
                 return first, second
-            raise InputError.at(str(path), "a header and no samples", _EXPECTED)
+            raise InputError.at(str(path), "a header and no samples", EXPECTED)
         elif _is_numbers(comment) or not re.search(r"[\s,;|]", comment):
             raise _unnamed(path, *first)
         else:
             return (first[0], comment), first
-    raise InputError.at(str(path), "no header" if comment else "an empty file", _EXPECTED)
+    raise InputError.at(str(path), "no header" if comment else "an empty file", EXPECTED)
 
 
 def _unnamed(path: Path, line: int, row: str) -> InputError:
@@ -356,109 +334,3 @@ def _ragged(place: str, found: int, expected: int, ended: bool, last: bool) -> I
     elif last and found < expected:
         hint = " (the last line, cut off: delete it)"
     return InputError.at(place, f"{found} cells{hint}", f"{expected}, as in the header")
-
-
-def check_text(path: Path) -> int:
-    """Count the lines of a file; refuse one that is missing, empty, too large, no UTF-8 text, or has no line ends."""
-    try:
-        if not check_size(path, MAX_FILE_BYTES, _EXPECTED):
-            raise InputError.at(str(path), "an empty file", _EXPECTED)
-        with path.open("rb") as file:
-            return _check_blocks(str(path), iter(partial(file.read, MAX_LINE_BYTES), b""))
-    except OSError as error:
-        raise InputError.at(str(path), failure(error), _EXPECTED) from error
-
-
-def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
-    decoder, offset, lines, incomplete = codecs.getincrementaldecoder("utf-8")(), 0, 1, b""
-    for block in chain(blocks, [b""]):
-        for beginnings, (found, expected) in _OTHER_FORMATS.items():
-            if not offset and block.startswith(beginnings):
-                raise InputError.at(name, found, expected)
-        if control := _CONTROL.search(block):
-            byte, place = block[control.start()], offset + control.start()
-            raise InputError.at(name, f"binary data (byte 0x{byte:02x} at offset {place})", _EXPECTED)
-        try:
-            decoder.decode(block, final=not block)
-        except UnicodeDecodeError as error:
-            data, line = incomplete + block, lines + (incomplete + block).count(b"\n", 0, error.start)
-            found = f"byte 0x{data[error.start]:02x} in line {line}, which is not UTF-8"
-            raise InputError.at(name, found, "UTF-8 text, a CSV table") from error
-        if len(block) == MAX_LINE_BYTES and b"\n" not in block and b"\r" not in block:
-            raise InputError.at(f"{name}: line {lines}", f"{MAX_LINE_BYTES} bytes without a line end", _EXPECTED)
-        incomplete, offset, lines = decoder.getstate()[0], offset + len(block), lines + block.count(b"\n")
-    return lines
-
-
-MAX_MESSAGES = 200_000  # most messages, of which each takes some kilobytes of memory
-
-
-def is_bag(path: Path) -> bool:
-    """Whether a path is a file or the folder of a bag."""
-    return path.suffix in (".mcap", ".db3", ".bag") or (path / "metadata.yaml").is_file()
-
-
-def read_bag(path: Path, topic: str | None) -> Table:
-    """Read the joint states of a bag: a row for each message, numbered from 1, time in s since the first stamp."""
-    if not path.exists():
-        raise InputError.at(str(path), "no such file", "a ROS 2 bag")
-    files = sorted(file for file in path.iterdir() if not file.is_dir()) if path.is_dir() else [path]
-    for file in files:
-        check_size(file, MAX_FILE_BYTES, "a file of a ROS 2 bag")
-    require("rosbags", "bags", str(path))
-    import apsw  # noqa: PLC0415  (rosbags reads SQLite and Zstandard by these)
-    from backports.zstd import ZstdError  # noqa: PLC0415
-    from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415
-    from rosbags.rosbag2 import ReaderError  # noqa: PLC0415
-    from rosbags.typesys import Stores, TypesysError, get_typestore  # noqa: PLC0415
-
-    named = (AnyReaderError, ReaderError, TypesysError, apsw.Error, ZstdError, OSError)
-    # What parsing of damaged bytes raises in Python and in the library's own code.
-    damage = (
-        *(struct.error, ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError),
-        *(RuntimeError, TypeError, ValueError),
-    )
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
-            topics = sorted({c.topic for c in reader.connections if c.msgtype == "sensor_msgs/msg/JointState"})
-            chosen = [name for name in topics if topic in (None, name)]
-            if len(chosen) != 1:
-                expected = f"{topic or 'one, or the one to read'}, as topic in the arm file"
-                raise InputError.at(f"{path}: topics of sensor_msgs/JointState", ", ".join(topics) or "none", expected)
-            wanted = [c for c in reader.connections if c.topic == chosen[0]]
-            if (n := sum(c.msgcount for c in wanted)) > MAX_MESSAGES:
-                raise InputError.at(f"{path}: {chosen[0]}", f"{n} messages", f"at most {MAX_MESSAGES}")
-            messages = [(at, reader.deserialize(raw, c.msgtype)) for c, at, raw in reader.messages(wanted)]
-            return _table(path, chosen[0], messages)
-    except InputError:
-        raise
-    except (*named, *damage) as error:
-        said = " ".join(str(error).split())[:200] if isinstance(error, named) else ""
-        found = said or "bytes that are no messages"
-        raise InputError.at(str(path), found, "a whole bag of ROS") from error
-
-
-def _table(path: Path, topic: str, messages: list[tuple[int, Any]]) -> Table:
-    """Tabulate messages, each with the time at which it was received, ns."""
-    if not messages:
-        raise InputError.at(f"{path}: {topic}", "no messages", "joint states")
-    notes = [f"{len(messages)} messages of {topic}, counted as lines"]
-    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for _, m in messages]
-    if not any(stamps):
-        notes.append("the messages have no stamps; the times at which they were received are taken")
-        stamps = [at for at, _ in messages]
-    rows: list[dict[str, str]] = []
-    for stamp, (_, message) in zip(stamps, messages, strict=True):
-        row = {"time": repr((stamp - stamps[0]) / 1e9)}
-        for kind in ("position", "velocity", "effort"):
-            values = getattr(message, kind)
-            if len(values) not in (0, len(message.name)):
-                found = f"{len(values)} values of {kind} for {len(message.name)} joints"
-                raise InputError.at(f"{path}: {topic}: message {len(rows) + 1}", found, "one for each joint, or none")
-            if len(values):
-                row |= {f"{name}.{kind}": repr(float(x)) for name, x in zip(message.name, values, strict=True)}
-        rows.append(row)
-    header = tuple(dict.fromkeys(shown(name) for row in rows for name in row))
-    rows = [{shown(name): value for name, value in row.items()} for row in rows]
-    cells = [(number, [row.get(name, "") for name in header]) for number, row in enumerate(rows, 1)]
-    return Table(str(path), header, lambda: [cells], tuple(notes))
