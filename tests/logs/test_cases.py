@@ -96,3 +96,15 @@ def test_a_log_that_cannot_be_read_is_told_what_to_do(file, said):
 def test_positions_in_turns_without_a_unit_are_told_so():
     found = repro.identify(CASES / "turns/no_unit.csv", method="bounded")
     assert any("units: {position: turns}" in warning for warning in found.warnings)
+
+
+def test_logs_that_each_move_one_joint_complete_each_other():
+    logs = [CASES / f"joint-by-joint/joint{joint}.csv" for joint in (1, 2)]
+    found = repro.identify(logs)
+    np.testing.assert_allclose(found.beta, TRUE, rtol=0.04)
+    rows = found.parameters
+    assert ((rows["low"] <= TRUE) & (TRUE <= rows["high"])).all()
+    assert (rows["high"] - rows["low"] < 0.02 * TRUE)[:5].all()
+    assert set(found.errors["part"]) == {"fit", "half"}  # neither log alone can predict the other
+    assert not found.unusable
+    assert not any("disagrees" in line for line in found.warnings)

@@ -111,7 +111,7 @@ def fit(
         spread = bootstrap(method, r, estimate, problem.perturbations, rng, report=report)
         parts = [(log.loaded.name, others, log.regression) for log, others in problem.left_out]
     if halves and not parts:
-        first, second = np.array_split(np.arange(r.t.size), [r.t.size // 2])
+        first, second = problem.halves
         pairs = zip(HALVES, ((first, second), (second, first)), strict=True)
         parts = [(name, r.take(used), problem.regression.take(predicted)) for name, (used, predicted) in pairs]
     scores = tuple(score(name, unseen, method.estimate(used).beta, None) for name, used, unseen in parts)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from repro.errors import InputError
 from repro.fitting.link_length import LinkLength, link_length
@@ -17,10 +18,12 @@ from repro.identification.excitation import Identifiability, excitation
 from repro.identification.extra_terms import TERMS, subtract_terms, term_columns, values_of
 from repro.identification.filtering import prepare
 from repro.identification.log import Log
-from repro.identification.regression import Prior, Regression, joined, mean_variance, solve
+from repro.identification.regression import Prior, Regression, joined, mean_variance, moving_fraction, solve
 from repro.identification.uncertainty import Perturbation, WeightedLog
 from repro.model.parameters import Array
 
+#: Range of a joint in other logs over that in a log, below which they cannot predict it: there it only holds its place.
+MIN_RANGE_RATIO = 0.1
 #: Name of the perturbation that corrects the torque of joint 1 instead of that of joint 2, if either may be wrong.
 SCALE_OF_JOINT_1 = "scale of joint 1"
 
@@ -41,15 +44,24 @@ class IdentificationProblem:
 
     @cached_property
     def left_out(self) -> tuple[tuple[PreparedLog, Regression], ...]:
-        """Each of several logs with a fit of the others, if they determine what all do."""
+        """Each of several logs with a fit of the others, if they move its joints and determine what all do."""
         pairs = []
         for log in self.logs if len(self.logs) > 1 else ():
             others = [other for other in self.logs if other is not log]
             regressions = [other.without_standstill for other in others]
             rest = join_logs(others, self.prior)[0] if self.prior else joined(regressions, _weights(others))
-            if excitation(rest).rank == self.excited.rank:
+            moved = np.ptp(rest.q, axis=1) >= MIN_RANGE_RATIO * np.ptp(log.regression.q, axis=1)
+            if moved.all() and excitation(rest).rank == self.excited.rank:
                 pairs.append((log, rest))
         return tuple(pairs)
+
+    @property
+    def halves(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Rows of the first half of each log, and of the second."""
+        ends = np.cumsum([log.regression.t.size for log in self.logs])
+        parts = [np.array_split(rows, 2) for rows in np.split(np.arange(ends[-1]), ends[:-1])]
+        first, second = (np.concatenate(half) for half in zip(*parts, strict=True))
+        return first, second
 
     @property
     def doubt(self) -> str:
@@ -96,7 +108,10 @@ def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[
 def _join_logs(logs: Sequence[PreparedLog], prior: Prior | None) -> tuple[Regression, dict[str, Perturbation]]:
     """Join several logs; the prior decides only which torque constant is wrong."""
     weights = _weights(logs)
-    weighted = [WeightedLog(log.loaded.log, log.settings, weight) for log, weight in zip(logs, weights, strict=True)]
+    weighted = [
+        WeightedLog(log.loaded.log, log.settings, weight, moving_fraction(log.regression))
+        for log, weight in zip(logs, weights, strict=True)
+    ]
     pairs = list(zip(weighted, logs, strict=True))
     # The values of what was subtracted have errors, so that its columns are projected out.
     unprojected = joined([log.without_standstill for log in logs], weights)

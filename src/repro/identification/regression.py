@@ -148,14 +148,19 @@ def without_known(regression: Regression) -> Regression:
 
 def drop_idle_joints(regression: Regression) -> Regression:
     """Mask the rows of joints that never move: the torque that holds them is unknown in every sample."""
-    moves = (np.abs(regression.dq) >= STANDSTILL_SPEED).mean(-1, keepdims=True) >= IDLE_FRACTION
+    moves = moving_fraction(regression) >= IDLE_FRACTION
     return masked(regression, np.broadcast_to(moves, regression.dq.shape))
 
 
-def drop_standstill(regression: Regression) -> Regression:
-    """Mask the rows of joints that stand still."""
+def moving_fraction(regression: Regression) -> Array:
+    """Fraction of the samples (2, 1) in which each joint moves."""
+    return np.asarray((np.abs(regression.dq) >= STANDSTILL_SPEED).mean(-1, keepdims=True))
+
+
+def drop_standstill(regression: Regression, fraction: Array | None = None) -> Regression:
+    """Mask the rows of joints that stand still, as they would be with this fraction of moving samples (2, 1)."""
     moving = np.abs(regression.dq) >= STANDSTILL_SPEED
-    fraction = moving.mean(-1, keepdims=True)
+    fraction = moving_fraction(regression) if fraction is None else fraction
     return masked(regression, np.where(fraction < IDLE_FRACTION, False, moving | (fraction < MIN_MOVING_FRACTION)))
 
 

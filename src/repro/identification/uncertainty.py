@@ -110,6 +110,7 @@ class WeightedLog:
     log: Log
     settings: FilterSettings
     weight: float = 1.0  # factor on its rows
+    moving: Array | None = None  # fraction of time that each joint moves (2, 1), whatever another filter makes of noise
 
 
 def join_filtered(
@@ -125,7 +126,7 @@ def join_filtered(
             delay=log.settings.delay + later,
             friction_steepness=log.settings.friction_steepness * steeper,
         )
-        parts.append(drop_standstill(prepare(log.log, changed)))
+        parts.append(drop_standstill(prepare(log.log, changed), log.moving))
     return joined(parts, [log.weight for log in logs])
 
 
