@@ -139,9 +139,7 @@ def digests(*names: str, root: Path = ROOT) -> dict[str, dict[str, Any]]:
         inputs = {path.relative_to(root).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
         found[name] = {
             "code": dict(
-                line.rsplit(" ", 1)
-                for line in (*code.of(*result.code), *scripts)
-                if not line.startswith(NOT_DECIDING)
+                line.rsplit(" ", 1) for line in (*code.of(*result.code), *scripts) if not line.startswith(NOT_DECIDING)
             ),
             "settings_sha256": config_digest({**stated(config, *result.sections), "inputs": inputs}),
         }

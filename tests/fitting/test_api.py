@@ -27,7 +27,7 @@ from repro.model.dynamics import forward_dynamics
 
 #: Parameters of each public function; a change breaks programs of users.
 SIGNATURES = {
-    "identify": "log, validate, arm, method, filter, cutoff, friction, prior, self_test, seed, steps, cache",
+    "identify": "log, validate, arm, method, filter, cutoff, friction, prior, earlier, self_test, seed, steps, cache",
     "Identification": "details, method, _curves, _arm, _inputs, _load",
     "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks, left_out",
     "read_log": "source, arm",

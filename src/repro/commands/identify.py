@@ -1,6 +1,7 @@
 """Identify your own arm: from a log to parameters with intervals, and a report."""
 
 import argparse
+import warnings
 from pathlib import Path
 
 from repro.commands.options import add_config, default_config, folder, integer, number, options_named, seed
@@ -56,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="JSON of what is known before: parameters.json of an earlier result, or value and sd of some parameters",
     )
+    add("--earlier", type=Path, metavar="FILE.json", help="parameters.json of an earlier result, to compare with")
     add(
         "--strict",
         action="store_true",
@@ -91,9 +93,22 @@ def run(arguments: argparse.Namespace) -> int:
             if given not in (None, default_config()):
                 raise InputError.at(option, repr(str(given)), "none, or the port of a board to record from")
     choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
-    same = ("validate", "arm", "filter", "cutoff", "friction", "prior", "self_test", "seed", "steps", "cache")
-    with options_named("cutoff", "method", "method Algorithm 1", "validate", "cache"):
+    same = (
+        "validate",
+        "arm",
+        "filter",
+        "cutoff",
+        "friction",
+        "prior",
+        "earlier",
+        "self_test",
+        "seed",
+        "steps",
+        "cache",
+    )
+    with warnings.catch_warnings(), options_named("cutoff", "method", "method Algorithm 1", "validate", "cache"):
         sources = [_source(arguments, place) for place in range(len(arguments.logs))]
+        warnings.simplefilter("ignore", UserWarning)  # they are printed with the result
         result = identify(sources, method=method, **{name: getattr(arguments, name) for name in same})
     files = result.save(arguments.out, arguments.overwrite)
     print(result)

@@ -3,6 +3,7 @@
 import html
 import logging
 import tempfile
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike
 from repro.board.capture import files_of
 from repro.errors import InputError, failure, require
 from repro.files import check_folder
+from repro.fitting.earlier import changes_since
 from repro.fitting.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
 from repro.fitting.prepare import LoadedLog, Options, load_log
 from repro.fitting.prior import read_prior, with_plane
@@ -273,9 +275,9 @@ class Identification:
         """Show the parameters and the warnings in a notebook."""
         simulated = " (simulated)" if self.details.simulated else ""
         title = html.escape(f"{self.details.arm}{simulated}: {self._best.title}")
-        warnings = "".join(f"<li>{html.escape(line)}</li>" for line in self.warnings)
+        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.warnings)
         table = self.parameters.to_html(float_format=lambda x: f"{x:.4g}", na_rep="")
-        return f"<p><b>{title}</b></p>{table}{warnings and f'<ul>{warnings}</ul>'}"
+        return f"<p><b>{title}</b></p>{table}{lines and f'<ul>{lines}</ul>'}"
 
 
 def identify(
@@ -288,6 +290,7 @@ def identify(
     cutoff: float | None = None,
     friction: bool = True,
     prior: str | Path | Mapping[str, Mapping[str, float]] | None = None,
+    earlier: str | Path | None = None,
     self_test: bool = False,
     seed: int = 1,
     steps: int = 1500,
@@ -318,6 +321,8 @@ def identify(
     prior : path or mapping, optional
         What is known before: ``parameters.json`` of an earlier result, whose intervals count, or
         ``{"g1": {"value": 1.0, "sd": 0.1}}``, in a file or as a mapping. A standard deviation of 0 keeps the value.
+    earlier : path, optional
+        ``parameters.json`` of an earlier result, with which the parameters are compared.
     self_test : bool
         Whether to estimate known parameters from synthetic recordings of the same motion.
     seed : int
@@ -358,7 +363,8 @@ def identify(
     """
     fitted, validation = _several("log", log), _several("validate", validate)
     _check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
-    _check_kind("cache", cache, (str, Path, NoneType), "a path")
+    for name, path in (("cache", cache), ("earlier", earlier)):
+        _check_kind(name, path, (str, Path, NoneType), "a path")
     for name, switch in (("friction", friction), ("self_test", self_test)):
         _check_kind(name, switch, bool, "True or False")
     described = arm if isinstance(arm, Arm) else read_arm(arm)
@@ -382,7 +388,11 @@ def identify(
         delay = f"{1e3 * abs(s.delay):.3g} ms {'earlier' if s.delay < 0.0 else 'later'}"
         _LOG.info("the torque acts %s than recorded; lambda %.4g s/rad", delay, s.friction_steepness)
     result, curves = _solve(problem, described, options, self_test)
-    inputs = [Path(source) for source in (*fitted, *validation, arm, prior) if isinstance(source, (str, Path))]
+    if earlier is not None:
+        result = replace(result, changes=changes_since(Path(earlier), result))
+    for line in result.all_warnings:
+        warnings.warn(line, stacklevel=2)
+    inputs = [Path(source) for source in (*fitted, *validation, arm, prior, earlier) if isinstance(source, (str, Path))]
     captures = [file for path in inputs if path.suffix == ".bin" for file in files_of(path)]
     return Identification(result, result.recommended, curves, described, (*inputs, *captures), problem.first.load)
 
@@ -469,4 +479,4 @@ def _report_log(loaded: LoadedLog, briefly: bool) -> None:
     for note in d.notes:
         _LOG.info("  note: %s", note)
     for warning in d.warnings:
-        _LOG.warning("  WARNING: %s", warning)
+        _LOG.info("  WARNING: %s", warning)

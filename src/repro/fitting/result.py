@@ -127,6 +127,17 @@ class SingleFit:
 
 
 @dataclass(frozen=True)
+class Change:
+    """One parameter in an earlier result and in this one."""
+
+    name: str
+    unit: str
+    before: float
+    now: float
+    agree: bool | None  # whether both intervals explain the difference; None if one has none
+
+
+@dataclass(frozen=True)
 class Spread:
     """One parameter in each of several logs by itself."""
 
@@ -164,6 +175,7 @@ class Result:
     selftest: SelfTest | None = None
     prior: dict[str, dict[str, float]] = field(default_factory=dict)  # value and sd of each parameter with a prior
     runs: tuple[SingleFit, ...] = ()  # each of several logs by itself
+    changes: tuple[Change, ...] = ()  # since an earlier result that was given
 
     @property
     def spread(self) -> tuple[Spread, ...]:

@@ -28,6 +28,7 @@ ALLOWED = (
 )
 MAX_KNOWN_SHARE = 0.5  # half an interval over the estimate, up to which the parameter is known
 NOTHING = "\N{EN DASH}"  # cell without a number
+YES_OR_NO = {None: NOTHING, True: "yes", False: "no"}
 NOT_EXCITED = "not excited by this motion"
 FIXED = "not estimated: given as known"
 IMPOSSIBLE = "negative, which no arm has: something is wrong with the log or the model"
@@ -237,11 +238,10 @@ def spread_rows(result: Result) -> list[tuple[str, ...]]:
     """Print a heading and a row for each parameter: together, each log alone, range, whether the intervals agree."""
     if not result.spread:
         return []
-    words = {None: NOTHING, True: "yes", False: "no"}
     rows: list[tuple[str, ...]] = [("", "together", *map(str, range(1, len(result.runs) + 1)), "range", "agree")]
     for row in result.spread:
         numbers = [f"{x:.4g}" for x in (row.together, *row.estimates, row.range)]
-        rows.append((f"{row.name}, {row.unit}", *numbers, words[row.agree]))
+        rows.append((f"{row.name}, {row.unit}", *numbers, YES_OR_NO[row.agree]))
     return rows
 
 
@@ -284,6 +284,11 @@ def summary(result: Result) -> str:
         logs = ", ".join(f"{k} = {run.log}" for k, run in enumerate(result.runs, 1))
         lines.append(f"each log alone by {best.method} ({logs}):")
         lines += ["  " + "".join((f"{row[0]:<15}", *(f"{cell:>12}" for cell in row[1:]))) for row in rows]
+    if result.changes:
+        lines.append("earlier result, this one, and whether both intervals explain the difference:")
+        lines += [
+            f"  {c.name:<4}{c.before:>12.4g}{c.now:>12.4g} {c.unit:<12} {YES_OR_NO[c.agree]}" for c in result.changes
+        ]
     if test := result.selftest:
         lines.append(f"self-test: {test.draws} synthetic logs of this motion with the parameters of {test.method}")
         heads = ("", "true", "median", "range", "in the interval")
