@@ -23,7 +23,7 @@ def earlier(tmp_path_factory):
 
 def test_the_same_arm_agrees_and_a_heavier_link_does_not(earlier):
     same = identified(BETA, 2, earlier=earlier).details.changes
-    assert [change.name for change in same] == "I1 I2 I3 g1 g2 b1 b2 k1 k2".split()
+    assert [change.name for change in same] == ["I1", "I2", "I3", "g1", "g2", "b1", "b2", "k1", "k2"]
     assert all(change.agree for change in same)
     assert np.array([change.before for change in same]) == pytest.approx(BETA, rel=0.1)
     heavier = BETA * np.where(np.arange(9) == 4, 1.1, 1.0)

@@ -103,7 +103,7 @@ def test_logs_that_each_move_one_joint_complete_each_other():
     found = repro.identify(logs)
     np.testing.assert_allclose(found.beta, TRUE, rtol=0.04)
     rows = found.parameters
-    assert ((rows["low"] <= TRUE) & (TRUE <= rows["high"])).sum() >= 8  # of nine intervals of 95 %
+    assert ((rows["low"] <= TRUE) & (rows["high"] >= TRUE)).sum() >= 8  # of nine intervals of 95 %
     assert (rows["high"] - rows["low"] < 0.02 * TRUE)[:5].all()
     assert set(found.errors["part"]) == {"fit", "half"}  # neither log alone can predict the other
     assert not found.unusable
