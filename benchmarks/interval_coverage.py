@@ -160,7 +160,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks" / "results")
     parser.add_argument("--kind", nargs="+", choices=planar_arms.KINDS, default=tuple(planar_arms.KINDS))
     parser.add_argument("--generator", nargs="+", choices=GENERATORS, default=tuple(GENERATORS))
-    parser.add_argument("--method", choices=METHODS, default="ordinary")
+    parser.add_argument("--method", choices=METHODS, default="weighted-consistent")
     args = parser.parse_args()
     cells = [(g, kind) for g in args.generator for kind in args.kind if kind in GENERATORS[g][1]]
     rows = pd.DataFrame(row for cell in cells for row in rows_of(*cell, args.arms, args.method))

@@ -31,6 +31,8 @@ KINDS = {
     "rotor30": "rotor of joint 2, 30 % of I3",
     "flexible": "elastic gear behind the encoder, 0.3 to 1.5 degrees",
     "backlash": "backlash behind the encoder, 0.2 to 1 degree",
+    "rotor30+flexible": "that rotor and an elastic gear",
+    "rotor30+backlash": "that rotor and backlash",
 }
 
 
@@ -117,33 +119,34 @@ def warm_up(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 def disturbed(kind: str, arm: Arm, m: Motion, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Position and torque of both joints, each (2, n), with an effect of one of `KINDS`."""
+    """Position and torque of both joints, each (2, n), with the effects of one of `KINDS`."""
     q, rigid, friction = m.q, rigid_torque(arm, m), friction_torque(arm, m)
     torque, largest = rigid + friction, np.abs(rigid).max(axis=-1, keepdims=True)
-    match kind:
-        case "position" | "cogging":
-            low, high, share = WAVES[kind]
-            wave = np.sin(rng.integers(low, high, (2, 1)) * q + rng.uniform(0.0, 2.0 * np.pi, (2, 1)))
-            torque += rng.uniform(0.02, share) * arm.beta[3] * np.array([[1.0], [0.5]]) * wave
-        case "friction":
-            stribeck = rng.uniform(0.2, 0.5) * np.exp(-((m.dq / rng.uniform(0.1, 0.4)) ** 2))
-            size = stribeck * arm.coulomb[:, None] + rng.uniform(0.0, 0.06) * np.abs(rigid)
-            torque += size * np.tanh(arm.steepness * m.dq)
-        case "temperature":
-            torque += warm_up(m.t, rng) * friction
-        case "rotor5" | "rotor30":
-            torque[1] += float(kind.removeprefix("rotor")) / 100.0 * arm.beta[2] * m.ddq[1]
-        case "flexible":
-            q = q + np.radians(rng.uniform(0.3, 1.5, (2, 1))) * rigid / largest
-        case "backlash":
-            q = q + np.radians(rng.uniform(0.1, 0.5, (2, 1))) * np.tanh(rigid / (0.05 * largest))
-        case "constant":
-            current = np.abs(torque) / np.abs(torque).max(axis=-1, keepdims=True)
-            torque *= 1.0 + rng.uniform(0.05, 0.15, (2, 1)) * current ** rng.integers(1, 4)
-        case "scale1":
-            torque[0] *= rng.choice([0.85, 1.15])
-        case "offset":
-            torque += np.array([[0.03], [0.05]]) * largest
+    for part in kind.split("+"):
+        match part:
+            case "position" | "cogging":
+                low, high, share = WAVES[part]
+                wave = np.sin(rng.integers(low, high, (2, 1)) * q + rng.uniform(0.0, 2.0 * np.pi, (2, 1)))
+                torque += rng.uniform(0.02, share) * arm.beta[3] * np.array([[1.0], [0.5]]) * wave
+            case "friction":
+                stribeck = rng.uniform(0.2, 0.5) * np.exp(-((m.dq / rng.uniform(0.1, 0.4)) ** 2))
+                size = stribeck * arm.coulomb[:, None] + rng.uniform(0.0, 0.06) * np.abs(rigid)
+                torque += size * np.tanh(arm.steepness * m.dq)
+            case "temperature":
+                torque += warm_up(m.t, rng) * friction
+            case "rotor5" | "rotor30":
+                torque[1] += float(part.removeprefix("rotor")) / 100.0 * arm.beta[2] * m.ddq[1]
+            case "flexible":
+                q = q + np.radians(rng.uniform(0.3, 1.5, (2, 1))) * rigid / largest
+            case "backlash":
+                q = q + np.radians(rng.uniform(0.1, 0.5, (2, 1))) * np.tanh(rigid / (0.05 * largest))
+            case "constant":
+                current = np.abs(torque) / np.abs(torque).max(axis=-1, keepdims=True)
+                torque *= 1.0 + rng.uniform(0.05, 0.15, (2, 1)) * current ** rng.integers(1, 4)
+            case "scale1":
+                torque[0] *= rng.choice([0.85, 1.15])
+            case "offset":
+                torque += np.array([[0.03], [0.05]]) * largest
     return q, torque
 
 

@@ -161,3 +161,15 @@ def test_a_log_is_not_predicted_from_one_that_does_not_determine_it():
     result, _ = solved(problem)
     assert not list(disagreeing(problem, result.best))
     assert [score.log for score in result.best.halves] == ["second half", "first half"]
+
+
+def test_a_log_without_torque_changes_no_estimate_and_hides_no_zero():
+    good = noisy_log("good.csv", 2, zero=(0.06, 0.0))
+    fall = noisy_log("fall.csv", 5)
+    noise = 0.002 * np.random.default_rng(9).normal(size=fall.log.tau.shape)
+    fall = loaded(replace(fall.log, tau=noise))
+    alone, together = problem_of_logs(good), problem_of_logs(good, fall)
+    assert [log.name for log, _ in together.validation] == ["fall.csv"]
+    assert [error.name for error in together.first.calibration_errors] == ["zero1"]
+    estimates = [METHODS["weighted"].estimate(problem.without_standstill).beta for problem in (together, alone)]
+    np.testing.assert_array_equal(*estimates)

@@ -20,6 +20,7 @@ from repro.identification.filtering import prepare
 from repro.identification.log import Log
 from repro.identification.regression import Prior, Regression, joined, mean_variance, moving_fraction, solve
 from repro.identification.uncertainty import Perturbation, WeightedLog
+from repro.logs.conventions import smoothed
 from repro.model.parameters import Array
 
 #: Range of a joint in other logs over that in a log, below which they cannot predict it: there it only holds its place.
@@ -154,11 +155,23 @@ def _check_distinct(fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog]
                 raise InputError.at(places[k], f"the samples of {earlier.name}", expected)
 
 
+def _set_apart(
+    fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog]
+) -> tuple[Sequence[LoadedLog], Sequence[LoadedLog]]:
+    """Leave logs whose torques are noise to validation, if others can be fitted: they would shrink every estimate."""
+    noise = [len(smoothed(loaded.log).noisy_joints()) == len(loaded.log.tau) for loaded in fitted]
+    if all(noise):
+        return fitted, validation
+    driven, others = ([log for log, is_noise in zip(fitted, noise, strict=True) if is_noise == kind] for kind in (0, 1))
+    return driven, [*validation, *others]
+
+
 def make_problem(
     fitted: Sequence[LoadedLog], validation: Sequence[LoadedLog], arm: Arm, options: Options
 ) -> IdentificationProblem:
     """Prepare the logs to fit, each by itself, and filter the validation logs as the first."""
     _check_distinct(fitted, validation)
+    fitted, validation = _set_apart(fitted, validation)
     logs = prepare_logs(fitted, arm, options)
     first = logs[0]
     validation = tuple(replace(loaded, log=_correct_as(loaded.log, logs)) for loaded in validation)
