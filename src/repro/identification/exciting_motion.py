@@ -4,7 +4,9 @@ Each joint begins and ends at rest. The coefficients maximise the determinant of
 nine parameters (D-optimal): the volume of their common confidence region is smallest, whatever units they are in.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,15 +21,14 @@ from repro.identification.filtering import Moved
 from repro.identification.regression import unit_columns
 from repro.model.dynamics import LAMBDA, ArmGeometry, forward_kinematics, regressor
 from repro.model.parameters import Array, is_positive_definite
-from repro.progress import Progress
+from repro.progress import over
 from repro.signals.trajectories import Motion, identification_trajectory, sample_times
 
-#: Samples in a period of the fastest harmonic: of the search, and of the check of the limits.
-_SEARCH_SAMPLES, _CHECK_SAMPLES = 14, 200
-#: Starts that are drawn, starts of the search, weights of exceeded limits one after the other, iterations of each.
-_DRAWS, _STARTS, _PENALTIES, _ITERATIONS = 32, 3, (10.0, 1000.0), 60
-_STEP = 1e-7
-_MIN_LOG_DETERMINANT = -300.0  # log-determinant, with columns of unit length, of a motion without information
+#: Samples in a period of the fastest harmonic: of the search and of the check of the limits.
+_SEARCH_SAMPLES, _CHECK_SAMPLES = 200, 1000
+_EVERY, _SEGMENT = 10, 20  # the information is of every so many samples; samples of which the peak is one constraint
+_DRAWS, _STARTS = 32, 3  # random motions, and those of them from which a search starts
+_STEP, _TOLERANCE = 1e-6, 1e-4  # of position, speed or acceleration, for differences; of the log-determinant
 _PACES = 16  # paces at which Eq. 10 is tried
 _NORMAL_95 = 1.959964  # 95 % of a normal distribution lie within so many standard deviations
 MAX_UTILISATION = 0.999  # fraction of each limit that is used, so that nothing between two samples exceeds it
@@ -76,13 +77,12 @@ class Envelope:
         """Steepness of Coulomb friction, s/rad."""
         return self.arm.friction_steepness or LAMBDA
 
-    def utilisation(self, moved: Moved, y: Array | None = None) -> Array:
+    def utilisation(self, moved: Moved) -> Array:
         """Compute the fraction (..., L, N) of each limit that a motion uses at each sample, -1 to 1 within it."""
         arm, (q, dq, _) = self.arm, moved
         used = [_within(q, *self.position), dq / np.array(arm.speed_limit)[:, None]]
         if self.beta is not None:
-            y = regressor(*moved, self.steepness) if y is None else y
-            used.append(y @ self.beta / np.array(arm.torque_limit)[:, None])
+            used.append(regressor(*moved, self.steepness) @ self.beta / np.array(arm.torque_limit)[:, None])
         if arm.workspace is not None and arm.link_lengths is not None:
             points = forward_kinematics(q, ArmGeometry(*arm.link_lengths))
             used += [_within(point, *np.array(arm.workspace).T) for point in points]
@@ -96,14 +96,13 @@ class Envelope:
             factor = 0.5 * (low + high)
             q, dq, ddq = (factor * x for x in shape)
             used = np.abs(self.utilisation((centre[:, None] + q, dq, ddq))).max(axis=(-2, -1), keepdims=True)
-            low, high = np.where(used <= MAX_UTILISATION, factor, low), np.where(used <= MAX_UTILISATION, high, factor)
+            low, high = np.where(used <= MAX_UTILISATION, (factor, high), (low, factor))
         return np.asarray(low)
 
 
 def _within(value: Array, low: Array, high: Array) -> Array:
     """Distance from the middle of bounds over that of a bound from it."""
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    return np.asarray((value - middle[:, None]) / half[:, None])
+    return np.asarray((2.0 * value - (low + high)[:, None]) / (high - low)[:, None])
 
 
 def expected_accuracy(moved: Moved, noise: Array, friction_steepness: float) -> tuple[Array, float, float]:
@@ -217,59 +216,60 @@ def check_samples(duration: float, rate: float, harmonics: int) -> int:
 def design(
     limits: Envelope, times: tuple[int, float], harmonics: int, noise: Array, rng: np.random.Generator
 ) -> Motion:
-    """Find the motion with the largest information from random starts, by L-BFGS with penalties.
+    """Find the motion with the largest information from random starts, by sequential quadratic programming (SLSQP).
 
-    It has `times[0]` periods of `times[1]` s, and rests at both ends. `harmonics` is the highest multiple of its lowest
-    frequency.
+    It has `times[0]` periods of `times[1]` s and rests at both ends. `harmonics` is the highest multiple of its lowest
+    frequency. Each limit binds the peak in each segment of time: a search learns to hide peaks between fixed samples.
     """
-    (steps, h), rest, report = times, limits.rest, Progress("searching for a motion")
+    (steps, h), rest = times, limits.rest
     # Series that are zero at time 0 with both derivatives are the null space of their values there.
     free = null_space(np.concatenate(_waves(harmonics, 1.0, np.zeros(1)))).T
-    free = free[None] * 0.5 * np.ptp(limits.position, axis=0)[:, None, None]
+    free = free * 0.5 * np.ptp(limits.position, axis=0)[:, None, None]
 
-    def basis(t: Array) -> list[Array]:
-        return [free @ w.T for w in _waves(harmonics, steps * h, t)]
+    def basis(t: Array) -> Array:
+        return np.stack([free @ w.T for w in _waves(harmonics, steps * h, t)])
 
-    def shape(x: Array, on: list[Array]) -> Moved:
-        q, dq, ddq = ((x.reshape(*x.shape[:-1], 2, 1, -1) @ b)[..., 0, :] for b in on)
+    def shape(x: Array, on: Array) -> Moved:
+        q, dq, ddq = np.einsum("...jm,djmn->d...jn", x.reshape(*x.shape[:-1], 2, -1), on)
         return q, dq, ddq
 
-    sizes = _SEARCH_SAMPLES, _CHECK_SAMPLES
-    coarse, fine = (basis(steps * h * np.linspace(0.0, 1.0, n * harmonics, False)) for n in sizes)
+    def differentiated(function: Callable[[Moved], Array], x: Array, on: Array) -> tuple[Array, Array]:
+        """Value of a function of the motion at each sample, and its derivatives (3, 2, ...) by the motion there."""
+        q, dq, ddq = np.stack(shape(x, on))[:, None] + _STEP * np.eye(6, 7, 1).reshape(3, 2, 7, 1).swapaxes(1, 2)
+        value = function((rest[:, None] + q, dq, ddq))
+        return value[0], (value[1:] - value[0]).reshape(3, 2, *value.shape[1:]) / _STEP
 
-    def enlarged(x: Array) -> Array:
-        """Enlarge until a limit is reached."""
-        return x * limits.largest_factor(shape(x, fine), rest)[..., 0]
+    def objective(x: Array) -> tuple[float, Array]:
+        """Minus the log-determinant per parameter, and its derivatives."""
+        y, dy = differentiated(lambda moved: regressor(*moved, limits.steepness) / noise[:, None, None], x, coarse)
+        a, scale = unit_columns(y)
+        left, singular, right = np.linalg.svd(a, full_matrices=False)
+        singular, factor = np.maximum(singular, np.finfo(np.float64).eps), -2.0 / scale.size
+        slope = np.einsum("djinp,inp->djn", dy, (left / singular @ right / scale).reshape(y.shape))
+        return factor * float(np.log(singular * scale).sum()), factor * np.einsum("djn,djmn->jm", slope, coarse).ravel()
 
-    def objective(x: Array, penalty: float = 0.0) -> Array:
-        """Minus the log-determinant per parameter, and the penalty."""
-        q, dq, ddq = shape(x, coarse)
-        y = regressor(rest[:, None] + q, dq, ddq, limits.steepness)
-        excess = np.maximum(np.abs(limits.utilisation((rest[:, None] + q, dq, ddq), y)) - 1.0, 0.0)
-        rows = (y / noise[:, None, None]).reshape(*x.shape[:-1], -1, y.shape[-1])
-        length = np.linalg.norm(rows, axis=-2, keepdims=True)
-        a = rows / length
-        apart = np.maximum(np.linalg.slogdet(np.swapaxes(a, -1, -2) @ a)[1], _MIN_LOG_DETERMINANT)
-        volume = apart + 2.0 * np.log(length).sum(axis=(-2, -1))
-        return np.asarray(penalty * (excess**2).mean(axis=-1).sum(axis=-1) - volume / y.shape[-1])
+    def use(x: Array) -> Array:
+        q, dq, ddq = shape(x, fine)
+        return np.abs(limits.utilisation((rest[:, None] + q, dq, ddq))).reshape(-1, _SEGMENT)  # a row for each segment
 
-    def gradient(x: Array, penalty: float) -> tuple[float, Array]:
-        """Objective and its derivatives, by differences of one batch."""
-        value = objective(np.concatenate([x[None], x + _STEP * np.eye(x.size)]), penalty)
-        return float(value[0]), (value[1:] - value[0]) / _STEP
+    def margin_derivatives(x: Array) -> Array:
+        peak = use(x).argmax(axis=-1)
+        limit, sample = np.divmod(peak + _SEGMENT * np.arange(peak.size), fine.shape[-1])
+        on, each = fine[..., sample], np.arange(peak.size)
+        slope = differentiated(lambda moved: np.abs(limits.utilisation(moved))[..., limit, each], x, on)[1]
+        return np.asarray(-np.einsum("djn,djmn->njm", slope, on).reshape(peak.size, -1))
 
-    starts = enlarged(rng.normal(size=(_DRAWS, 2 * free.shape[1])))
-    best = starts[np.argsort(objective(starts))[:_STARTS]]
-    for k, start in enumerate(best):
-        report(k, _STARTS)
-        end = start
-        for penalty in _PENALTIES:
-            end = minimize(gradient, end, (penalty,), "L-BFGS-B", jac=True, options={"maxiter": _ITERATIONS}).x
-        candidates = np.stack([start, enlarged(end)])
-        best[k] = candidates[np.argmin(objective(candidates))]
-    report(_STARTS, _STARTS)
+    fine = basis(steps * h * np.linspace(0.0, 1.0, _SEARCH_SAMPLES * harmonics, False))
+    coarse, check = fine[..., ::_EVERY], basis(steps * h * np.linspace(0.0, 1.0, _CHECK_SAMPLES * harmonics))
+    margins = {"type": "ineq", "fun": lambda x: MAX_UTILISATION - use(x).max(axis=-1), "jac": margin_derivatives}
+    search = partial(minimize, objective, method="SLSQP", jac=True, constraints=margins, tol=_TOLERANCE)
+    drawn = rng.normal(size=(_DRAWS, 2 * free.shape[1]))
+    drawn *= limits.largest_factor(shape(drawn, coarse), rest)[..., 0]
+    starts = sorted(drawn, key=lambda x: objective(x)[0])[:_STARTS]
+    ends = np.stack([*starts, *(search(x).x for x in over(starts, "searching for a motion"))])
+    ends *= limits.largest_factor(shape(ends, check), rest)[..., 0]
     t = np.arange(steps + 1, dtype=np.float64) * h
-    q, dq, ddq = shape(best[np.argmin(objective(best))], basis(t))
+    q, dq, ddq = shape(min(ends, key=lambda x: objective(x)[0]), basis(t))
     return Motion(t, rest[:, None] + q, dq, ddq)
 
 
