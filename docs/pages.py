@@ -40,19 +40,15 @@ NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION = MOTIONS[1:]
 
-#: Rows of the README's table; a published row stands before its method.
-HEADLINE = (
-    "algorithm1",
-    "algorithm1/one-run",
-    "algorithm1+desired",
-    "algorithm1+tracked-measured",
-    "algorithm1+tracked",
-    "algorithm1+refinement",
-    "differential-evolution",
-    "least-squares",
-    "bounded",
-    "true",
-)
+#: Rows of the README's table, each with its targets; a published row stands before its method.
+HEADLINE = {
+    "algorithm1": ("Algorithm 1", "`table06` `table07` `table10` `accepted`"),
+    "algorithm1/one-run": ("Algorithm 1, one run", "`table10`"),
+    "algorithm1+paper-recipe-ranges": ("Algorithm 1, trained as printed*", "`paper_recipe`"),
+    "algorithm1+refinement": ("Algorithm 1 + search", "`table06` `table07` `table10`"),
+    "least-squares": ("Least squares", "as Algorithm 1"),
+    "bounded": ("Least squares, none below 0", "as Algorithm 1"),
+}
 #: Guesses of Algorithm 1 in the column over the accepted experiments.
 GUESSES = 100_000
 #: Published rows, each before the method that it is compared with.
@@ -125,34 +121,32 @@ def table10() -> str:
 
 
 def over_experiments() -> dict[str, str]:
-    """Mean over T1 to T4 on the accepted experiments by method: median and range, with `GUESSES` if it guesses."""
+    """Median mean over T1 to T4 on the accepted experiments by method, with `GUESSES` if it guesses."""
     frame = pd.read_csv(REFERENCE / "tables/accepted.csv")
     chosen = frame[(frame["unit"] == "all") & frame["guesses"].isin([0, GUESSES])]
-    return {
-        row["method"]: "{:.1f} ({:.1f} to {:.1f}), {}".format(
-            *(100 * row[f"mean_{end}"] for end in ("median", "low", "high")), row["experiments"]
-        )
-        for row in chosen.to_dict("records")
-    }
+    return {row["method"]: f"{100 * row['mean_median']:.1f}" for row in chosen.to_dict("records")}
 
 
 def headline() -> str:
     """Means over N1 to N4, the simulated arm, and the accepted experiments."""
-    numeric = [totals(name).mean(axis=1) for name in ("table06", "table07")]
-    arm, everywhere = totals("table10"), over_experiments()
+    as_printed, everywhere = totals("paper_recipe"), over_experiments()
+    arm, tests = (pd.concat([totals(name), as_printed]) for name in ("table10", "table06"))
+    groups = (
+        (tests[~tests.index.duplicated()], NUMERIC),
+        (totals("table07"), NUMERIC),
+        *((arm[~arm.index.duplicated()], cases) for cases in (("ID",), VALIDATION)),
+    )
     rows = []
-    for key in HEADLINE:
+    for key, (label, targets) in HEADLINE.items():
         if key in PRINTED:
-            printed = published("table10", MOTIONS, f"/{key}")
-            validated = mean(published("table07", NUMERIC, "")) if key == "algorithm1" else float("nan")
-            first = "over 97.38" if key == "algorithm1" else ""
-            shown = [*map(percent, (validated, *printed[:2], mean(printed[2:]))), percent(mean(printed[2:]))]
-            rows.append([PRINTED[key], first, *shown])
-        values = [*(part.get(key, float("nan")) for part in numeric), *arm.loc[key, cells(["ID"])]]
-        own = map(percent, [*values, mean(arm.loc[key, cells(VALIDATION)].tolist())])
-        rows.append([title_of(key), *own, everywhere.get(key, "")])
-    header = ["", "N1-N4, identification", "N1-N4, validation", "arm, ID τ1", "ID τ2", "arm, mean T1 to T4"]
-    return markdown([*header, "accepted experiments, mean T1 to T4: median (95 % range), number"], rows)
+            validated = percent(mean(published("table07", NUMERIC, "")))
+            numeric = ["over 97.38", validated] if key == "algorithm1" else ["", ""]
+            on_arm = [percent(mean(published("table10", cases, f"/{key}"))) for cases in (("ID",), VALIDATION)]
+            rows.append([PRINTED[key], *numeric, *on_arm, "", ""])
+        own = [mean(of.loc[key, cells(cases)]) if key in of.index else float("nan") for of, cases in groups]
+        rows.append([label, *map(percent, own), everywhere.get(key, ""), targets])
+    header = ["", "N1-N4, ID", "N1-N4, new motion", "arm, ID", "arm, T1-T4", "24 experiments, T1-T4", "target"]
+    return markdown(header, rows)
 
 
 def verdicts() -> str:
@@ -203,7 +197,7 @@ def arm_file() -> str:
             default, stated = getattr(repro.Arm(), name), key.json_schema_extra
             # JSON spells the values as YAML does.
             shown = f"`{json.dumps(default).strip(chr(34))}`" if default not in (None, {}) else stated["absent"]
-            rows.append([f"`{name}`", stated["expected"], shown.replace(".0", ""), key.description or ""])
+            rows.append([f"`{name}`", stated["expected"], re.sub(r"\.0\b", "", shown), key.description or ""])
     return markdown(["key", "value", "default", "note"], rows)
 
 
