@@ -294,11 +294,7 @@ def settings_fields(what: object) -> list[str]:
 COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_file, commands, api)
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
 TABLES |= {
-    name: partial(laid_out, name)
-    for name in (
-        *("accepted", "factorial", "hypotheses", "board_size"),
-        *("study_claims", "study_expectations", "study_levels"),
-    )
+    name: partial(laid_out, name) for name in ("accepted", "factorial", "hypotheses", "board_size", "study_claims")
 }
 #: Title of a section of numpydoc, and the line below it.
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)

@@ -130,7 +130,7 @@ def _uncovered(outcomes: pd.DataFrame) -> pd.Series:
     return uncovered
 
 
-#: What was expected before the first full run, by the numbers of the list in docs/explanation/study.md.
+#: What was expected before the first full run, numbered as it was written down.
 EXPECTATIONS = (
     Claim("1", "Algorithm 1 is worse than least squares", lambda of: difference(of, "ordinary", ALGORITHM1)),
     Claim("2", "the posterior is better than Algorithm 1", lambda of: difference(of, POSTERIOR, ALGORITHM1)),
