@@ -96,8 +96,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The mean torque error on T2 is not smaller, because the k of ID contains some
-# of the further friction, which T2 has, too:
+# The parameters are nearer to the truth. The mean torque error on T2 is hardly smaller, because the k of ID contains
+# some of the further friction, which T2 has, too:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():
