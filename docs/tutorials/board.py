@@ -86,9 +86,9 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# All intervals contain the true values now. Those of inertia and viscous friction are far narrower than with ID. That
-# of g1 is not: it allows for the arm's ripple and Stribeck friction
-# ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
+# All intervals are far narrower than with ID, and all but that of k1 contain the true values. The estimate of k1 contains
+# part of the arm's Stribeck friction ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual
+# shows the ripple:
 
 # %%
 fast.plot(log=0)
