@@ -86,9 +86,9 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# All intervals are far narrower than with ID, and all but that of k1 contain the true values. The estimate of k1 contains
-# part of the arm's Stribeck friction ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual
-# shows the ripple:
+# All intervals are far narrower than with ID, and all but that of k1 contain the true values. The estimate of k1
+# contains part of the arm's Stribeck friction ([intervals](../../explanation/methods-and-intervals.md#intervals)). The
+# residual shows the ripple:
 
 # %%
 fast.plot(log=0)
@@ -96,8 +96,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The mean torque error on T2 is hardly smaller, because the k of ID contains
-# some of the further friction, which T2 has, too:
+# The parameters are nearer to the truth. The torque error on T2 is not smaller, because the k of ID contains some of
+# the further friction, which T2 has, too:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():
