@@ -304,7 +304,7 @@ def settings_fields(what: object) -> list[str]:
     return [markdown(["field", "default", "unit", "meaning"], rows)]
 
 
-COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_file, commands, api)
+COMPUTED = (headline, verdicts, table06, table07, table10, methods, costs, verdict, arm_file, commands, api)
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
 TABLES |= {
     name: partial(laid_out, name)
