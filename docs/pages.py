@@ -19,7 +19,7 @@ import pandas as pd
 
 import repro
 from repro.cli import parser
-from repro.drawing.style import METHODS, title_of
+from repro.drawing.style import MEANINGS, METHODS, title_of
 from repro.keys import Key
 from repro.paper.published import load_published
 
@@ -96,12 +96,19 @@ def cells(cases: Iterable[str]) -> list[tuple[str, int]]:
 
 
 def table_of_totals(name: str, cases: tuple[str, ...], first: dict[str, list[float]], average: str = "") -> str:
-    """Methods by cells; published rows first, a mean over the validation motions last."""
+    """Methods by cases, both joints in a cell; published rows first, a mean over the validation motions first, too."""
     values = {**first, **{title_of(str(key)): row[cells(cases)].tolist() for key, row in totals(name).iterrows()}}
-    ordered = [*first, *(title for title in map(title_of, METHODS) if title in values)]
-    shown = [[*values[label], *([mean(values[label][2:])] if average else [])] for label in ordered]
-    header = ["", *(f"{case} τ{joint}" for case, joint in cells(cases)), *([average] if average else [])]
-    return markdown(header, [[label, *map(percent, row)] for label, row in zip(ordered, shown, strict=True)])
+    rows = []
+    for label in (*first, *(title for title in map(title_of, METHODS) if title in values)):
+        joints = zip(values[label][::2], values[label][1::2], strict=True)
+        shown = [percent(mean(values[label][2:]))] if average else []
+        rows.append([label, *shown, *(f"{percent(one)} / {percent(two)}" for one, two in joints)])
+    return markdown(["τ1 / τ2", *([average] if average else []), *cases], rows)
+
+
+def methods() -> str:
+    """What the names of methods in the tables leave unsaid."""
+    return markdown(["row", "what it is"], [[title_of(name), meaning] for name, meaning in MEANINGS.items()])
 
 
 def table06() -> str:
@@ -291,7 +298,7 @@ def settings_fields(what: object) -> list[str]:
     return [markdown(["field", "default", "unit", "meaning"], rows)]
 
 
-COMPUTED = (headline, verdicts, table06, table07, table10, costs, verdict, arm_file, commands, api)
+COMPUTED = (headline, verdicts, table06, table07, table10, methods, costs, verdict, arm_file, commands, api)
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
 TABLES |= {
     name: partial(laid_out, name) for name in ("accepted", "factorial", "hypotheses", "board_size", "study_claims")

@@ -42,7 +42,9 @@ def test_options_that_make_no_sense_are_refused_in_one_line(monkeypatch, capsys,
     assert error.place.endswith(place) and error.found == found
 
 
-@pytest.mark.parametrize(("argv", "option"), [([], "COMMAND"), (["record", "--out", "x.bin"], "--trajectory")])
+@pytest.mark.parametrize(
+    ("argv", "option"), [(["record", "--out", "x.bin"], "--trajectory"), (["identify", "log.csv"], "--out")]
+)
 def test_a_missing_argument_is_named_in_one_line(capsys, argv, option):
     with pytest.raises(SystemExit) as stop:
         main(argv)

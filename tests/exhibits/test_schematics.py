@@ -85,7 +85,7 @@ def test_method_runs_through_its_nine_steps_and_back():
 def test_a_label_too_long_for_its_box_is_refused(tmp_path):
     frame = figure_numbers("fig02")
     frame.loc[9, "label"] = "word " * 40
-    assert re.search(r"fig02\.csv.*lines of words", refused(drawn, tmp_path, "fig02", frame))
+    assert re.search(r"fig02\.csv.*lines of words", str(refused(drawn, tmp_path, "fig02", frame)))
 
 
 def test_answers_follow_the_sentences_of_section_i_a():

@@ -54,13 +54,15 @@ PASSED = [
     ({"friction_correlation": (-0.901, 0.9)}, {"parameters": VAGUE}, {}, ("joint 1", "-0.90")),
     ({"friction_correlation": (-0.9, 0.95)}, {"parameters": VAGUE}, {}, ("joint 2", "0.95")),
     ({"friction_correlation": (0.92, 0.92)}, {"parameters": (*KNOWN[:7], VAGUE[7], KNOWN[8])}, {}, ("joint 1", "0.92")),
-    ({}, {"fit": score("log.csv", 0.301, 0.06)}, {}, ("30.1 %", "joint 1")),
+    ({}, {"fit": score("log.csv", 0.251, 0.06)}, {}, ("25.1 %", "joint 1")),
     ({}, {"fit": score("log.csv", 0.05, 0.42)}, {}, ("42 %", "joint 2")),
     ({}, {"whiteness": (0.51, 0.1)}, {}, ("0.51",)),
     ({}, {"whiteness": (0.1, -0.7)}, {}, ("-0.70",)),
     ({}, {"validation": (score("x", 0.05, 0.121),)}, {}, ("12.1 %", "6 %")),
     ({}, {"halves": (score("second half", 0.05, 0.121),)}, {}, ("12 %",)),
     ({}, {}, {"delay": 0.02}, ("delay", "(20 ms)")),
+    ({}, {}, {"delay": 0.0197}, ("2 sampling periods", "19.7 ms are applied")),
+    ({}, {}, {"delay": 0.01}, ("2 sampling periods", "only 10 ms are applied")),
     ({}, {}, {"delay": -0.02}, ("delay", "(-20 ms)")),
     ({}, {}, {"delay": -0.0051}, ("delay", "-5.1 ms")),
     ({}, {"consistent": False, "why_not_consistent": "b2 = -1"}, {}, ("b2 = -1",)),
@@ -68,13 +70,13 @@ PASSED = [
 
 
 def warned(excitation, changes, settings, others=()):
-    problem = problem_of(exciting(50), **{"delay": 0.0197, **settings})
+    problem = problem_of(exciting(50), **{"delay": 0.0, **settings})
     return warnings(problem, (*others, replace(GOOD, **changes)), "a", replace(TELLING, **excitation))
 
 
 def test_at_its_limits_nothing_is_warned_of():
     assert warned({}, {}, {}) == ()
-    assert warned({}, {"fit": score("log.csv", 0.3, 0.3)}, {}) == ()
+    assert warned({}, {"fit": score("log.csv", 0.25, 0.25)}, {}) == ()
     assert warned({}, {"validation": ()}, {"delay": -0.0049}) == ()
     assert warned({}, {}, {"delay": 0.02, "estimates_delay": False}) == ()
     # A tenth is little, however small the error on the log itself.

@@ -89,7 +89,7 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, old, new, expected):
     line = next(n for n, row in enumerate(text.splitlines(), start=1) if row.startswith("table04/N1/true/I1,"))
     path = tmp_path / "published.csv"
     path.write_text(text.replace(old, new, 1))
-    assert re.match(rf"{path}.*{expected.format(line, line + 1)}.*found .*expected", refused(load_published, path))
+    assert re.match(rf"{path}.*{expected.format(line, line + 1)}.*found .*expected", str(refused(load_published, path)))
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from exhibit_examples import ROOT
 from experiment_example import refused
 from html_page import Page
 from PIL import Image
@@ -16,6 +17,7 @@ from report_example import TRICKY, claim_rows, make_example
 from repro.drawing.embed import link
 from repro.exhibits.catalogue import FIGURES, TABLES
 from repro.files import read_csv, write_csv
+from repro.paper.claims import Basis
 from repro.report import page as page_module
 from repro.report.page import answer, build_report, closing_lines, made_on_request, read_claims
 
@@ -91,6 +93,47 @@ def test_every_exhibit_is_shown_with_caption_data_and_command(inputs, page):
         assert image["alt"] == exhibit.caption
         width, height = Image.open(inputs.figures / f"{exhibit.name}.png").size
         np.testing.assert_allclose([int(image["width"]), int(image["height"])], [0.4 * width, 0.4 * height], atol=0.5)
+
+
+def test_published_rows_stand_before_ours(page):
+    for target, first, second in (("table07", "97.10", "98.23"), ("table10", "93.55", "93.57")):
+        article = page.one(target)["text"]
+        assert article.index("Published, Algorithm 1") < article.index(first) < article.index(second)
+    assert "Published, Least squares" in page.one("table10")["text"]
+    assert "above 97.38 %" in page.one("table06")["text"]
+
+
+def test_better_numbers_are_not_counted_as_reproduced(inputs):
+    path, rows = inputs.results / "claims.csv", pd.DataFrame(claim_rows())
+    own = rows.index[(rows["basis"] == "numeric") & ~rows["id"].str.contains("@")]
+    rows.loc[own, "verdict"] = ["better", "better", "better", "differs", *["inconclusive"] * (len(own) - 4)]
+    whole = path.read_bytes()
+    try:
+        write_csv(path, rows)
+        told = Page(build_report(inputs)).one("short")["text"]
+    finally:
+        path.write_bytes(whole)
+    counted = f"none is reproduced, 3 are better than published, 1 differs and {len(own) - 4} decide nothing"
+    assert counted in " ".join(told.split())
+
+
+def test_results_come_before_settings(text):
+    rows = re.findall(r'<tr id="claim-[^"]+".*?data-basis="([^"]+)"', text)
+    assert list(dict.fromkeys(rows))[:2] == ["numeric", "simulated arm"]
+    assert rows == sorted(rows, key=[*Basis].index)
+
+
+def test_results_made_on_request_are_shown_as_kept_ones(inputs):
+    kept = Page(build_report(replace(inputs, docs=ROOT / "docs")))
+    shown = {e.target: kept.one(e.target)["text"] for e in (*TABLES, *FIGURES) if e.optional}
+    assert "89.7 (88.1 to 92.1)" in shown["accepted_table"]
+    for target, article in shown.items():
+        assert "Not part of this run" in article
+        assert ("CSV" in article) == ("earlier full run" in article) == (not target.startswith("ablation"))
+    pictures = [e for e in FIGURES if not e.optional or e.name != "ablation"]
+    assert [image["alt"] for image in kept.all("img")] == [e.caption for e in pictures]
+    ways = [a["href"] for a in kept.all("a") if ".md" in a.get("href", "")]
+    assert ways and all((inputs.page.parent / way.partition("#")[0]).resolve().is_file() for way in ways)
 
 
 def test_downloads_hold_the_files_and_links_lead_to_them(inputs, page):

@@ -13,7 +13,7 @@ rule report:
         f"{R}/report/index.html",
     params:
         *call("repro.report.page:make_report"),
-        made_on_request(Path(R), Path(F)),
+        made_on_request(Path(R), Path(F), pages_of(TEMPLATES)),
         checkout=lambda wildcards, input: os.path.dirname(input.templates[0]),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=[str(name) for name in workflow.overwrite_configfiles],

@@ -1,6 +1,11 @@
 TUTORIALS = ["board", "hello", "one-guess", "real-arm"]
 # What their scripts call.
-TUTORIAL_CODE = ["repro.fitting.api", "repro.commands.boards", "repro.identification.exciting_motion", "repro.cnn.network"]
+TUTORIAL_CODE = [
+    "repro.fitting.api",
+    "repro.commands.boards",
+    "repro.identification.exciting_motion",
+    "repro.cnn.network",
+]
 
 
 # The logs of the real arm are the reader's own copies, which the page says how to download.

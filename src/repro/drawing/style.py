@@ -1,6 +1,6 @@
 """The one look of every figure: sizes, type, colours, strokes, and saving to the same bytes every time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -92,43 +92,49 @@ METHODS: Final = {
     "algorithm1": Appearance("Algorithm 1", "#5ab8ea", _DASH_DOT, 1.1, "o", 3.4),
     "algorithm1/one-run": Appearance("Algorithm 1, one run", "#5ab8ea", _SHORT, 1.1, "d", 3.4),
     "algorithm1+desired": Appearance("Algorithm 1, desired motion", "#3b7dbd", _SHORT, 1.0, "*", 4.2),
-    "algorithm1+tracked-measured": Appearance("Algorithm 1, closed-loop training", "#c080c4", _SHORT, 1.0, "P", 3.6),
+    "algorithm1+tracked-measured": Appearance("Algorithm 1, closed loop", "#c080c4", _SHORT, 1.0, "P", 3.6),
     "algorithm1+tracked": Appearance("Algorithm 1, both", "#8a3a8f", _DASH_DOT, 1.1, "p", 3.6),
     "algorithm1+tracked/one-run": Appearance("Algorithm 1, both, one run", "#8a3a8f", _SHORT, 1.1, "8", 3.4),
     "algorithm1+refinement": Appearance("Algorithm 1 + refinement", "#004a78", (), 0.9, "D", 3.2, hollow=True),
     "algorithm1+local-search": Appearance("Algorithm 1 + selection alone", "#a6761d", _SHORT, 1.0, "v", 3.4),
-    "differential-evolution": Appearance("Differential evolution, no network", "#44aa99", _DASHED, 1.0, "X", 3.4),
-    "algorithm1+paper-recipe": Appearance("Algorithm 1, the paper's training", "#666666", _DASH_DOT, 1.1, "h", 3.4),
+    "differential-evolution": Appearance("Differential evolution", "#44aa99", _DASHED, 1.0, "X", 3.4),
+    "algorithm1+paper-recipe": Appearance("Algorithm 1, printed schedule", "#666666", _DASH_DOT, 1.1, "h", 3.4),
     "algorithm1+paper-recipe-ranges": Appearance(
-        "Algorithm 1, the paper's training and ranges", "#999933", _DASH_DOT, 1.1, "H", 3.4
+        "Algorithm 1, trained as printed", "#999933", _DASH_DOT, 1.1, "H", 3.4
     ),
     "least-squares": Appearance("Least squares", "#d1490a", _DASHED, 1.1, "x", 3.4),
-    "bounded": Appearance("Least squares, bounded", "#e7a03c", _DASHED, 1.1, "<", 3.4),
-    "consistent": Appearance("Least squares, consistent", "#7a2a00", (1.5, 1.0), 1.1, ">", 3.4),
+    "bounded": Appearance("Nonnegative least squares", "#e7a03c", _DASHED, 1.1, "<", 3.4),
+    "consistent": Appearance("Consistent least squares", "#7a2a00", (1.5, 1.0), 1.1, ">", 3.4),
     "true": Appearance("True parameters", "0.0", (1.0, 2.0), 1.1, "+", 4.0),
-    "appendix": Appearance("Without back-EMF", "0.45", (1.0, 2.0), 1.1, "1", 4.0),
+    "appendix": Appearance("True, without back-EMF", "0.45", (1.0, 2.0), 1.1, "1", 4.0),
 }
-#: Titles in tables, where they are longer than in legends.
-_TITLES = {
-    "algorithm1+desired": "Algorithm 1, f of line 18 on the desired motion (extension)",
-    "algorithm1+tracked-measured": "Algorithm 1, trained on closed-loop motions, f on the measured motion (extension)",
-    "algorithm1+tracked": "Algorithm 1, trained on closed-loop motions, f on the desired motion (extension)",
-    "algorithm1+tracked/one-run": "Algorithm 1, trained on closed-loop motions, f on the desired motion, one run "
-    "(extension)",
-    "algorithm1+refinement": "Algorithm 1 + refinement (extension)",
-    "algorithm1+local-search": "Algorithm 1 + the refinement's selection without the network (control)",
-    "differential-evolution": "Differential evolution from uniform guesses, no network (control)",
-    "algorithm1+paper-recipe": "Algorithm 1, the paper's own training",
-    "algorithm1+paper-recipe-ranges": "Algorithm 1, the paper's own training and ranges of parameters",
-    "bounded": "Least squares, no parameter below zero (line 22's constraint)",
-    "consistent": "Least squares, physically consistent",
-    "appendix": "True parameters without back-EMF",
+#: What a name leaves unsaid, by method. Extensions are ours.
+MEANINGS: Final = {
+    "algorithm1/one-run": "all cells of one seed, whose mean on ID is the median",
+    "algorithm1+desired": "line 18 takes f of the desired motion (extension)",
+    "algorithm1+tracked-measured": "trained on closed-loop motions (extension)",
+    "algorithm1+tracked": "trained on closed-loop motions, and line 18 takes f of the desired motion (extension)",
+    "algorithm1+tracked/one-run": "all cells of one seed (extension)",
+    "algorithm1+refinement": "chosen guesses go through differential evolution, at first with the network (extension)",
+    "algorithm1+local-search": "the same without the network (control)",
+    "differential-evolution": "the same from uniform guesses, without a network (control)",
+    "algorithm1+paper-recipe": "trained by the paper's schedule",
+    "algorithm1+paper-recipe-ranges": "trained by the paper's schedule on its ranges of parameters",
+    "bounded": "no parameter below zero, as line 22 demands of Algorithm 1",
+    "consistent": "parameters that a body can have",
+    "appendix": "the arm's parameters without what its motors add",
 }
 
 
 def title_of(method: str) -> str:
-    """What tables call a method."""
-    return _TITLES.get(method) or (METHODS[method].label if method in METHODS else method)
+    """What tables and legends call a method."""
+    return METHODS[method].label if method in METHODS else method
+
+
+def key_to(methods: Iterable[str]) -> str:
+    """Sentence that says what the names of these methods leave unsaid; empty if nothing."""
+    known = [f"{title_of(name)}: {MEANINGS[name]}" for name in methods if name in MEANINGS]
+    return f"{'; '.join(known)}." if known else ""
 
 
 #: Every pair that meets in one panel also differs in lightness and in width or dash, so it reads in greyscale.

@@ -27,9 +27,9 @@ _table = partial(table, category="Experiment (simulated)")
 _of_runs = partial(_table, inputs=("arm",))
 _figure = partial(figure, category="Experiment (simulated)", sections=ARM)
 
-#: Methods in figures and in Table 9; the literal Algorithm 1 only where parameters are identified.
-SHOWN = ("algorithm1+refinement", "least-squares")
-SHOWN_ON_ID = ("algorithm1", *SHOWN)
+#: Methods in figures, those that the paper compares; the refinement is in tables of parameters, too.
+DRAWN = ("algorithm1", "least-squares")
+TABULATED = ("algorithm1", "algorithm1+refinement", "least-squares")
 #: Highest frequency drawn, Hz; the filter leaves nothing above.
 HIGHEST = 40.0
 _TABLE_10 = partial(
@@ -84,7 +84,7 @@ def table08(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 def parameter_layout(frame: pd.DataFrame) -> Table:
     """Lay out parameters of the arm, methods side by side."""
     names, cells, spread = parameter_cells(frame)
-    methods = [method for method in methods_of(frame) if method in SHOWN_ON_ID]
+    methods = [method for method in methods_of(frame) if method in TABULATED]
     rows = []
     for name, label in names.items():
         (true, first), *others = (cells[method, CASE, name] for method in methods)
@@ -155,7 +155,7 @@ def stability(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     simulated arm.
     """
     estimates = {**_estimates(inputs), "appendix": np.array(config.arm.parameters)}
-    return stability_table(estimates, (*SHOWN_ON_ID, "true", "appendix"))
+    return stability_table(estimates, (*TABULATED, "true", "appendix"))
 
 
 def _panel(recording: Recording, name: str) -> str:
@@ -164,12 +164,11 @@ def _panel(recording: Recording, name: str) -> str:
 
 
 def _torques(inputs: Inputs, config: Configuration, in_frequency: bool = False) -> Iterator[Curve]:
-    """Torques measured and rebuilt from each shown estimate, or their spectra."""
+    """Torques measured and rebuilt from each drawn estimate, or their spectra."""
     signals, estimates = config.signals, _estimates(inputs)
     for recording in read_recordings(inputs["captures"], config):
         f = recording.regression(signals)
-        methods = SHOWN_ON_ID if recording.program.name == CASE else SHOWN
-        series = {"measured": f.tau} | {method: rebuild_torque(f.y, estimates[method]) for method in methods}
+        series = {"measured": f.tau} | {method: rebuild_torque(f.y, estimates[method]) for method in DRAWN}
         n = f.tau.shape[1]
         k = np.arange(n, dtype=np.float64)
         x: Array = k / (2 * n * signals.sampling_period_s) if in_frequency else k * signals.sampling_period_s
@@ -230,7 +229,8 @@ def draw_paths(frame: pd.DataFrame) -> Figure:
 @_figure("Torques and motion of the identification run", draw_identification, inputs=("ID", "arm"))
 def fig19(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Simulated experiment on the identification trajectory: the torque measured and the torques rebuilt from the
-    parameters of each method, with the position, velocity and acceleration of the joints (Fig. 19).
+    parameters of Algorithm 1 as listed and of least squares, median seed, with the position, velocity and acceleration
+    of the joints (Fig. 19).
     """
     return long_table([*_torques(inputs, config), *_motions(inputs, config)])
 
@@ -260,8 +260,8 @@ def fig22(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 
 @_figure(f"Torques of {SPAN}", partial(_compare, titles=_VALIDATION), inputs=("validation", "arm"))
 def fig23(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of each method
-    (Fig. 23).
+    """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of Algorithm 1
+    as listed and of least squares, median seed (Fig. 23).
     """
     return long_table(_torques(inputs, config))
 

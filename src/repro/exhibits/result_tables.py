@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from repro.drawing.markup import Block, Table, Text, formula, number, plain, with_unit
-from repro.drawing.style import METHODS, title_of
+from repro.drawing.style import METHODS, key_to, title_of
 
 _FACTORS = {"time": "Time", "frequency": "Freq.", "total": "Total"}
 
@@ -31,15 +31,14 @@ def by_method(frame: pd.DataFrame) -> list[Block]:
 def parameter_cells(frame: pd.DataFrame) -> tuple[dict[str, Text], dict[tuple[str, str, str], list[Text]], str]:
     """Name of each parameter, true and estimated value by method, case and parameter, and words on the spread."""
     names = {name: with_unit(formula(name), si) for name, si in zip(frame["parameter"], frame["unit"], strict=True)}
-    repeated = bool((frame["estimate_sd"] > 0).any())
     cells = {
         (row["method"], row["case"], row["parameter"]): [
             number(row["true"], 4),
-            number(row["estimate"], 4, row["estimate_sd"] if repeated else None),
+            number(row["estimate"], 4, row["estimate_sd"] or None),
         ]
         for row in frame.to_dict("records")
     }
-    return names, cells, ", ± the standard deviation over the seeds" if repeated else ""
+    return names, cells, ", ± the standard deviation over the seeds" if frame["estimate_sd"].any() else ""
 
 
 def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
@@ -51,9 +50,10 @@ def parameters(frame: pd.DataFrame, cases: Sequence[str]) -> Table:
             [label, *chain.from_iterable(cells[method, case, name] for case in cases)] for name, label in names.items()
         ]
         blocks.append((heading_of(method), rows))
-    caption = f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread}."
+    caption = f"True and identified parameters of the numeric tests {' and '.join(cases)}: median seed{spread}. "
+    caption += key_to(methods_of(frame))
     header = [plain("Parameter"), *(plain(f"{case} {word}") for case in cases for word in ("true", "identified"))]
-    return Table(plain(caption), "l" + "rr" * len(cases), header, blocks)
+    return Table(plain(caption.strip()), "l" + "rr" * len(cases), header, blocks)
 
 
 def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Table:
@@ -76,8 +76,8 @@ def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Tab
         of_seeds = f"median of {seeds:.0f} seeds, ± the standard deviation of the total over the seeds."
         if (frame["seeds"] == 1).any():
             of_seeds += " All cells of a block without ± have the same seed."
-    caption = plain(f"Similarity (%) of the torques rebuilt {of_what}: {of_seeds}")
-    return Table(caption, "l" + "r" * len(cases), [plain("metr2ev (%)"), *map(plain, cases)], blocks)
+    caption = f"Similarity (%) of the torques rebuilt {of_what}: {of_seeds} {key_to(methods_of(frame))}"
+    return Table(plain(caption.strip()), "l" + "r" * len(cases), [plain("metr2ev (%)"), *map(plain, cases)], blocks)
 
 
 def percent_interval(row: Mapping[Hashable, Any]) -> Text:

@@ -186,22 +186,21 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
     if least.ratio(given) < _MAX_ERROR_RATIO and least.error.min() < _MAX_GOOD_ERROR:
         equal = [pair for pair in fits if pair[0].ratio(least) < _MAX_EQUAL_RATIO]
         better = min(equal, key=lambda pair: pair[0].n_impossible)
+    elif not noisy and given.n_impossible and given.residual <= _MAX_RESIDUAL:
+        same = [(fit, c) for fit, c in fits if 1.0 / _MAX_SAME_RATIO < fit.ratio(given) < _MAX_SAME_RATIO]
+        better = next((pair for pair in same if pair[0].n_impossible == 0), None)
     if not noisy:
         better = _best_pair(s, others, given if better is None else better[0], arm) or better
     if better is not None:
         best, convention = better
         reason = f"torque residual {100.0 * best.residual:.2g} % instead of {100.0 * given.residual:.2g} %"
+        if best.ratio(given) > _MAX_ERROR_RATIO:
+            reason = "as given, inertia, gravity or friction come out negative"
         yield _advice(convention, reason, log, arm)
-    elif noisy:
-        return
-    elif given.residual > _MAX_RESIDUAL:
+    elif not noisy and given.residual > _MAX_RESIDUAL:
         found = f"Eq. 1 explains little of the torque (residual {100.0 * given.residual:.0f} %)"
         remedy = "check units, signs, zeros and which column is which"
-        yield f"{found} with any single change of how the log is read: {remedy}"
-    elif given.n_impossible:
-        same = [(fit, c) for fit, c in fits if 1.0 / _MAX_SAME_RATIO < fit.ratio(given) < _MAX_SAME_RATIO]
-        for convention in [convention for fit, convention in same if fit.n_impossible == 0][:1]:
-            yield _advice(convention, "as given, inertia, gravity or friction come out negative", log, arm)
+        yield f"{found} with any two changes of how the log is read: {remedy}"
 
 
 def _best_pair(s: Smoothed, others: Sequence[Convention], one: _Fit, arm: Arm) -> tuple[_Fit, Convention] | None:

@@ -19,7 +19,7 @@ from repro.config.model import Configuration
 from repro.model.dynamics import rebuild_torque, regressor
 from repro.model.parameters import Array
 from repro.paper.metric_candidates import CANDIDATES, Factor, Pair
-from repro.paper.published import NUMERIC_CASES, Published, load_published
+from repro.paper.published import CELL, NUMERIC_CASES, Published, load_published, similarity_cells
 from repro.signals.dct import spectrum
 from repro.signals.metric import PUBLISHED_METRIC, MetricSettings, metr2ev
 from repro.signals.trajectories import Motion, identification_trajectory, random_trajectory
@@ -205,31 +205,15 @@ def compare_motions(scores: Scores) -> pd.DataFrame:
     )
 
 
-_CELL = ("place", "case", "method", "joint")
-
-
-def _cells(numbers: Published) -> pd.DataFrame:
-    """Time, Freq. and Total of each cell of Tables 7 and 10, each with half a unit of its last digit."""
-    rows = []
-    for total in numbers:
-        if total.quantity == "total" and total.place in ("Table 7", "Table 10"):
-            row: dict[str, object] = {name: getattr(total, name) for name in ("id", *_CELL)}
-            for factor in ("time", "frequency", "total"):
-                number = numbers[total.id.replace("/total/", f"/{factor}/")]
-                row |= {factor: number.value, f"{factor}_step": number.half_step}
-            rows.append(row)
-    return pd.DataFrame(rows)
-
-
 def composition(published: Published) -> pd.DataFrame:
     """Check the published Totals of Tables 7 and 10 against the factors printed with them, to rounding."""
-    t = _cells(published)
+    t = similarity_cells(published)
     # Total = Time x Freq. if the power 0.4 is part of the factors; otherwise it is (Time x Freq.)^0.4.
     product = t["time"] * t["frequency"] / 100.0
     power_last = 100.0 * (product / 100.0) ** EXPONENT
     # First order in the half steps: their product, 2.5e-7 %, is far below any difference found.
     tolerance = t["total_step"] + (t["time_step"] * t["frequency"] + t["frequency_step"] * t["time"]) / 100.0
-    return t[["id", *_CELL, "time", "frequency", "total"]].assign(
+    return t[["id", *CELL, "time", "frequency", "total"]].assign(
         product=product,
         difference=t["total"] - product,
         tolerance=tolerance,
@@ -263,9 +247,9 @@ def pair_bounds(published: Published) -> pd.DataFrame:
     least 1 - c^2 for any torque. A time error mean((x-y)^2) has no such limit, but it bounds the torque: rms(x) <=
     sqrt(error / (1 - c^2)). With unsigned spectra |X| instead of X the true c is smaller, and both bounds remain valid.
     """
-    t = _cells(published)
+    t = similarity_cells(published)
     error, least = _error(t["time"] - t["time_step"]), _least_energy_error(t["frequency"] + t["frequency_step"])
-    return t[["id", *_CELL, "time", "frequency"]].assign(
+    return t[["id", *CELL, "time", "frequency"]].assign(
         id=t["id"].str.replace("/total/", "/"),
         time_error=error,
         least_energy_error=least,
@@ -293,7 +277,7 @@ def least_squares_torque(published: Published) -> pd.DataFrame:
     estimate that is not `possible`, being above the bound of Algorithm 1 for the same torque, is an upper bound only.
     """
     bound = pair_bounds(published).set_index("id")["largest_rms"] ** 2
-    t = _cells(published).query("case == 'ID' and method == 'least-squares'")
+    t = similarity_cells(published).query("case == 'ID' and method == 'least-squares'")
     low, estimate, high = (
         _error(t["time"] - s * t["time_step"]) / _least_energy_error(t["frequency"] + s * t["frequency_step"])
         for s in (-1.0, 0.0, 1.0)

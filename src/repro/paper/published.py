@@ -20,6 +20,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from repro.errors import InputError
 from repro.files import read_rows
@@ -128,3 +129,20 @@ def load_published(path: Path = PUBLISHED_FILE) -> Published:
         joint, printed = int(row.pop("joint") or 0) or None, row.pop("value")
         values[row["id"]] = PublishedValue(joint=joint, printed=printed, **row)
     return Published(tuple(values.values()), path.name)
+
+
+#: What a cell of Tables 7 and 10 is told by.
+CELL = ("place", "case", "method", "joint")
+
+
+def similarity_cells(numbers: Published) -> pd.DataFrame:
+    """Time, Freq. and Total of each cell of Tables 7 and 10, each with half a unit of its last digit."""
+    rows = []
+    for total in numbers:
+        if total.quantity == "total" and total.place in ("Table 7", "Table 10"):
+            row: dict[str, object] = {name: getattr(total, name) for name in ("id", *CELL)}
+            for factor in ("time", "frequency", "total"):
+                number = numbers[total.id.replace("/total/", f"/{factor}/")]
+                row |= {factor: number.value, f"{factor}_step": number.half_step}
+            rows.append(row)
+    return pd.DataFrame(rows)

@@ -1,29 +1,34 @@
 """The report of a run as one HTML text: every result, with what computed it."""
 
 import hashlib
+import os
 import platform
 import re
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
 
 from repro.config.model import Configuration
-from repro.drawing.embed import environment, link, picture, policy, read_bytes
-from repro.drawing.markup import SUPERSCRIPTS, TIMES, unit
+from repro.drawing.embed import Picture, environment, link, picture, policy, read_bytes
+from repro.drawing.markup import SUPERSCRIPTS, TIMES, Table, Text, plain, unit
 from repro.drawing.style import title_of
 from repro.errors import InputError
+from repro.exhibits import declare
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
 from repro.exhibits.declare import Exhibit, read_shown
+from repro.exhibits.result_tables import similarities
 from repro.experiments import monte_carlo
 from repro.files import read_csv, read_rows, write_text
 from repro.paper.claims import (
     BETTER,
     DIFFERS,
     EXTENSION,
+    LIMITS,
     REPRODUCED,
     VERDICTS,
     Basis,
@@ -32,6 +37,7 @@ from repro.paper.claims import (
     causes,
     summary,
 )
+from repro.paper.published import load_published, similarity_cells
 from repro.provenance import commit, package_versions
 from repro.signals.programs import SPAN
 
@@ -49,11 +55,31 @@ class ReportInputs:
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
     provenance: Mapping[str, str]  # commit, packages and the like; empty if nobody recorded them
     notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
+    docs: Path | None = None  # pages that the report links to, with results of an earlier run in ``reference/``
 
     @property
     def page(self) -> Path:
         """Where the report goes; links to files beside it start there."""
         return self.results / "report" / "index.html"
+
+    def link_to(self, page: str) -> str:
+        """Way from the report to a page of docs/ and its anchor; empty if the pages are not there."""
+        return "" if self.docs is None else Path(os.path.relpath(self.docs / page, self.page.parent)).as_posix()
+
+    def kept(self, exhibit: Exhibit) -> Path | None:
+        """Numbers of an exhibit that is made on request, as an earlier run left them."""
+        path = _kept(exhibit, self.docs)
+        return path if exhibit.optional and path and path.exists() else None
+
+
+def pages_of(checkout: Path) -> Path | None:
+    """Folder docs/ of the checkout whose templates these are, if it is one."""
+    docs = checkout.resolve().parents[2] / "docs"
+    return docs if docs.is_dir() else None
+
+
+def _kept(exhibit: Exhibit, docs: Path | None) -> Path | None:
+    return docs and docs / "reference" / f"{exhibit.kind}s" / f"{exhibit.name}.csv"
 
 
 def _files(exhibit: Exhibit, results: Path, figures: Path) -> list[Path]:
@@ -64,30 +90,70 @@ def _files(exhibit: Exhibit, results: Path, figures: Path) -> list[Path]:
     return [numbers, *(figures / f"{exhibit.name}.{ext}" for ext in ("pdf", "png"))]
 
 
-def made_on_request(results: Path, figures: Path) -> str:
+def made_on_request(results: Path, figures: Path, docs: Path | None = None) -> str:
     """Digest of the optional results that exist: the report shows them, although its rule does not require them."""
-    files = (path for one in (*TABLES, *FIGURES) if one.optional for path in _files(one, results, figures))
-    content = b"".join(path.name.encode() + path.read_bytes() for path in files if path.is_file())
+    optional = [one for one in (*TABLES, *FIGURES) if one.optional]
+    files = [path for one in optional for path in (*_files(one, results, figures), _kept(one, docs))]
+    content = b"".join(path.name.encode() + path.read_bytes() for path in files if path and path.is_file())
     return f"results made on request {hashlib.sha256(content).hexdigest()[:12]}"
 
 
 def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
-    """Lay out a table or embed a figure, and link its data; reading refuses a missing file unless it is optional."""
+    """Lay out a table or embed a figure, and link its data; reading refuses a missing file unless it is optional.
+
+    What is made on request and not of this run is shown as an earlier run left it.
+    """
     needed = _files(exhibit, inputs.results, inputs.figures)
     present = [path for path in needed if path.exists() or not exhibit.optional]
-    numbers, image = needed[0], needed[-1]
-    is_table = exhibit.kind == "table"
-    return {
-        "exhibit": exhibit,
-        "links": [link(path, inputs.page) for path in needed[:2] if path in present],
-        "missing": len(present) < len(needed),
-        "table": read_shown(exhibit, numbers) if is_table and numbers in present else None,
-        "picture": picture(image) if not is_table and image in present else None,
-    }
+    missing = len(present) < len(needed)
+    kept = inputs.kept(exhibit) if missing else None
+    if missing:
+        present = [kept] if kept else []
+    shown: dict[str, object] = {"table": None, "picture": None}
+    if present and exhibit.kind == "table":
+        shown["table"] = _with_published(exhibit, present[0])
+    elif kept:
+        shown["picture"] = _drawn(exhibit, kept)
+    elif present:
+        shown["picture"] = picture(needed[-1])
+    links = [link(path, inputs.page) for path in present[:2]]
+    return {"exhibit": exhibit, "links": links, "missing": missing, "kept": kept is not None, **shown}
 
 
-#: Verdicts that the first section counts together; the others are open.
-_GROUPS = {REPRODUCED: "agree", BETTER: "agree", DIFFERS: "differ"}
+def _drawn(exhibit: Exhibit, numbers: Path) -> Picture:
+    """A figure drawn from its numbers."""
+    with TemporaryDirectory() as folder:
+        pdf, png = (Path(folder, f"{exhibit.name}.{ending}") for ending in ("pdf", "png"))
+        declare.show(exhibit, {"csv": numbers, "pdf": pdf, "png": png})
+        return picture(png)
+
+
+def _with_published(exhibit: Exhibit, numbers: Path) -> Table:
+    """A table laid out from its numbers, after what the paper prints of it."""
+    table = read_shown(exhibit, numbers)
+    if not isinstance(table, Table):
+        raise TypeError(exhibit.definition)
+    return replace(table, blocks=[*_published(exhibit), *table.blocks])
+
+
+def _published(exhibit: Exhibit) -> list[tuple[Text, Sequence[Sequence[Text]]]]:
+    """The paper's own blocks of a table of similarities: those of Tables 7 and 10; the cells of Table 6 are lost."""
+    numbers = load_published()
+    if exhibit.target == "table06":
+        total = numbers["abstract/numeric/total"]
+        return [(plain(f"Published, Algorithm 1: cells lost; the abstract says {total.relation} {total} %"), [])]
+    cells = similarity_cells(numbers).query("place == @exhibit.label")
+    if cells.empty:
+        return []
+    factors = ["time", "frequency", "total"]
+    printed = similarities(
+        cells.assign(total_sd=0.0, seeds=1, **cells[factors] / 100.0), list(dict.fromkeys(cells["case"])), ""
+    )
+    return [(plain("Published, ") + (heading or ""), rows) for heading, rows in printed.blocks]
+
+
+#: Verdicts that the first section counts; the others decide nothing.
+_DECIDED = (REPRODUCED, BETTER, DIFFERS)
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
@@ -129,27 +195,34 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
             if row[name] not in values:
                 raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, values))}")
         seen.add(row["id"])
+    relations = {number.id: number.relation for number in load_published()}
     lost = set(broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
     return [
-        {**row, **_cells(row), "extension": EXTENSION in row["id"], "satisfied": row["id"] not in lost} for row in rows
+        {
+            **row,
+            **_cells(row, relations.get(row["id"].partition(EXTENSION)[0], "")),
+            "extension": EXTENSION in row["id"],
+            "satisfied": row["id"] not in lost,
+        }
+        for row in rows
     ]
 
 
-def _cells(row: Mapping[str, str]) -> dict[str, Cell]:
+def _cells(row: Mapping[str, str], relation: str) -> dict[str, Cell]:
     si, published = row["unit"].strip(), row["published"].strip()
     shown = "" if si in _NO_UNIT else f"\N{NO-BREAK SPACE}{unit(si).md}"
     whole, _, part = published.partition(".")
-    # One more than published; None if the number is not a plain decimal.
-    decimals = len(part) + 1 if _NUMBER.fullmatch(published) and (whole + part).lstrip("+-").isdigit() else None
+    # One more than published, and at least two; None if the number is not a plain decimal.
+    decimals = max(len(part), 1) + 1 if _NUMBER.fullmatch(published) and (whole + part).lstrip("+-").isdigit() else None
     return {
-        "published": _cell(published, None, shown),
+        "published": _cell(published, None, shown, before=f"{relation} " if relation in LIMITS else ""),
         "ours": _cell(row["ours"], decimals, shown),
         "difference": _cell(row["difference"], decimals, signed=True),
         "tolerance": _cell(row["tolerance"], decimals),
     }
 
 
-def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False) -> Cell:
+def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False, before: str = "") -> Cell:
     """A number as it is written, or with `decimals` where it has more; text as it is."""
     text = text.strip()
     if not _NUMBER.fullmatch(text):
@@ -165,7 +238,7 @@ def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False)
     digits, e, power = shown.lower().partition("e")
     if e:
         shown = f"{digits}{TIMES}10{str(int(power)).translate(SUPERSCRIPTS)}"
-    return Cell(shown.replace("-", _MINUS) + unit, repr(value))
+    return Cell(before + shown.replace("-", _MINUS) + unit, repr(value))
 
 
 _WORDS = {
@@ -188,9 +261,18 @@ def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
         raise InputError.at(f"{path}: method", found, f"rows of {method}")
     row = asked.iloc[0]
     over = f"over {row['experiments']} simulated experiments that the printed numbers do not rule out"
-    words = f"{_WORDS[row['conclusion']]}: {over}, Algorithm 1 as listed differs from least squares by {row['points']}."
+    words = f"{_WORDS[row['conclusion']]}: {over}, Algorithm 1 as listed is {_compared(row)} on {SPAN}."
     titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
     return words, table.assign(**titles).to_dict("records")
+
+
+def _compared(row: pd.Series) -> str:
+    """How much better or worse, in points of a percent, with the simultaneous interval."""
+    difference, low, high = (100.0 * float(row[name]) for name in ("difference", "low", "high"))
+    word = monte_carlo.BETTER if difference > 0.0 else monte_carlo.WORSE
+    ends = (low, high) if difference > 0.0 else (-high, -low)
+    interval = "{:.1f} to {:.1f}".format(*ends).replace("-", _MINUS)
+    return f"{abs(difference):.1f} points {word} than least squares (95 % interval {interval})"
 
 
 def _points(row: Mapping[Hashable, Any]) -> str:
@@ -208,7 +290,7 @@ def closing_lines(results: Path, figures: Path, config_files: Sequence[str | Pat
     for method in ("algorithm1", "least-squares", "bounded"):
         own = scores[scores["method"] == method]
         on_id, unseen = (100.0 * own[rows]["total"] for rows in (own["case"] == "ID", own["case"] != "ID"))
-        lines.append(f"  {title_of(method):<64}{'  '.join(f'{x:.2f}' for x in on_id)}  {unseen.mean():.2f}")
+        lines.append(f"  {title_of(method):<28}{'  '.join(f'{x:.2f}' for x in on_id)}  {unseen.mean():.2f}")
     claims = pd.read_csv(results / "claims.csv", keep_default_na=False)
     numbers = claims.assign(ours=pd.to_numeric(claims["ours"], errors="coerce"))
     page = results / "report/index.html"
@@ -220,14 +302,22 @@ def closing_lines(results: Path, figures: Path, config_files: Sequence[str | Pat
 _TEMPLATES = Path(__file__).parent
 
 
+def _within_a_sentence(title: str) -> str:
+    """A title as it stands within a sentence: only an article loses its capital."""
+    first, _, rest = title.partition(" ")
+    return f"{first.lower() if first in ('A', 'The', 'One', 'What') else first} {rest}"
+
+
 def build_report(inputs: ReportInputs) -> str:
     """Lay out the report."""
     ledger_file, audit_file = inputs.results / "claims.csv", inputs.results / "tables" / "audit.csv"
-    claims = read_claims(ledger_file)
+    order = {str(basis): place for place, basis in enumerate(Basis)}
+    claims = sorted(read_claims(ledger_file), key=lambda claim: order[claim["basis"]])  # results before settings
     counts = by_basis(pd.DataFrame(claims, columns=list(COLUMNS)))
     style, script = (Markup((_TEMPLATES / name).read_text("utf-8")) for name in ("report.css", "report.js"))
     templates = environment(_TEMPLATES)
     templates.filters["slug"] = lambda text: "-".join(str(text).split())
+    templates.filters["lower_first"] = _within_a_sentence
     differing = [claim for claim in claims if claim["verdict"] == DIFFERS]
     causes_by_name = causes()
     of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in causes_by_name}
@@ -240,7 +330,7 @@ def build_report(inputs: ReportInputs) -> str:
         claims_link=link(ledger_file, inputs.page),
         counts=counts[counts.any(axis=1)],
         meanings=VERDICTS,
-        grouped=counts.groupby(lambda verdict: _GROUPS.get(verdict, "open")).sum(),
+        decided=counts.groupby(lambda verdict: verdict if verdict in _DECIDED else "open").sum(),
         asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),
         differing=[(causes_by_name[name], own) for name, own in of_causes.items() if own],
@@ -278,5 +368,5 @@ def make_report(
     if is_stored:
         notice = f"{notice} {stored.capitalize()}.".strip()
     folders = (Path(config.results), Path(config.figures))
-    inputs = ReportInputs(*folders, sorted(captures), digest, provenance, notice)
+    inputs = ReportInputs(*folders, sorted(captures), digest, provenance, notice, pages_of(Path(checkout)))
     write_text(inputs.page, build_report(inputs))
