@@ -295,9 +295,7 @@ def wrong_torque(prior: Prior | None, beta: Array, factor: float) -> int | None:
 
 def _find_terms(logs: Sequence[PreparedLog], options: Options) -> tuple[tuple[ExtraTerm, ...], Array]:
     """Find the terms beyond Eq. 1 of all logs; also the parameters that give the load of friction."""
-    regression = joined([log.without_standstill for log in logs])
-    terms = find_terms([(log.loaded.log, log.settings) for log in logs], options.friction)
-    return terms, solve(regression.y, regression.tau)
+    return find_terms([(log.loaded.log, log.settings) for log in logs], options.friction)
 
 
 def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple[PreparedLog, ...]:

@@ -35,6 +35,7 @@ MIN_Z_SCORE = 4.0  # standard errors that a term must be away from no effect
 #: Reduction of the cross-validated squared error beyond which friction that is not subtracted is reported.
 MIN_REPORTED_REDUCTION = 0.05
 BLOCKS = 6  # blocks of the log in cross-validation
+LOAD_ITERATIONS = 2  # after which parameters and the load that they give agree to a percent
 POSITION_DIFFERENCE = 1e-4  # difference with which columns of errors of the position are made, rad
 #: Speeds at which Stribeck friction may have fallen to 1/e of its value at rest, rad/s.
 STRIBECK_SPEEDS = (0.1, 0.2, 0.5)
@@ -373,8 +374,8 @@ def _weight(regression: Regression, columns: Array) -> float:
     return 1.0 / (float(np.linalg.norm(error) / np.sqrt(max(regression.mask.sum(), 1))) or 1.0)
 
 
-def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[ExtraTerm, ...]:
-    """Find what to subtract from logs of one arm and what would help, in the order of `TERM_NAMES`.
+def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[tuple[ExtraTerm, ...], Array]:
+    """Find what to subtract from logs of one arm and what would help, in the order of `TERM_NAMES`; also the load (9,).
 
     Friction is subtracted if it may be, the rotor always. The logs have correct calibration. Each of several is
     weighted by its errors with all terms in the model: a noisy log must not hide what a good one shows.
@@ -382,6 +383,10 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     regressions = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
     unweighted = joined(regressions)
     load = solve(unweighted.y, unweighted.tau)
+    for _ in range(LOAD_ITERATIONS):  # friction in proportion to the load biases the parameters that give the load
+        columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
+        more = np.concatenate(columns, axis=1) * unweighted.mask[..., np.newaxis]
+        load = solve(np.concatenate([unweighted.y, more], axis=-1), unweighted.tau)[:N_NINE]
     columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
     weights = [_weight(r, c) for r, c in zip(regressions, columns, strict=True)] if len(logs) > 1 else [1.0]
     r = joined(regressions, weights)
@@ -405,7 +410,7 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
         credible = [term for term in terms if term.value > MIN_Z_SCORE * term.error]
         rejected = [TERM_NAMES.index(term.name) for term in terms if term.taken and term not in credible]
         if not rejected:
-            return tuple(term for term in credible if term.taken or term.gain > MIN_REPORTED_REDUCTION)
+            return tuple(term for term in credible if term.taken or term.gain > MIN_REPORTED_REDUCTION), load
         chosen = [k for k in chosen if k != rejected[0]]
 
 
