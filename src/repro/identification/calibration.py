@@ -6,7 +6,6 @@ shows because both joints share I2, I3 and g2. Columns are selected first; Gauss
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,23 +13,14 @@ from numpy.typing import NDArray
 from repro.identification.extra_terms import (
     MIN_Z_SCORE,
     N_NINE,
-    OFFSETS,
-    ONCE_A_TURN,
-    TERMS,
-    UNMODELLED_EFFECTS,
-    ZEROS,
-    Columns,
     Term,
     TermKind,
     best_subset,
-    cross_validation_error,
     detection_limits,
-    filtered_columns,
     fit_with_errors,
     offset,
     one_joint,
     other_rows,
-    raw_columns,
     term_columns,
     term_names,
     weighted_rows,
@@ -164,28 +154,6 @@ class CalibrationProblem:
         return replace(error, instead=instead)
 
 
-def _without_rival(problem: CalibrationProblem, r: Regression, columns: Array, chosen: Sequence[int]) -> list[int]:
-    """Keep the calibration errors that are needed next to friction, a rotor and any one unmodelled effect."""
-    load = solve(r.y, r.tau)
-    effects = {name: forms for name, forms in UNMODELLED_EFFECTS.items() if name not in (ZEROS, OFFSETS)}
-    forms = [(name, form) for name, of_effect in effects.items() for form in of_effect]
-    makes: list[Columns] = [partial(raw_columns, TERMS), *(form for _, form in forms)]
-    terms, *rivals = filtered_columns(makes, problem.log, problem.settings, load)
-    kept = list(chosen)
-    for k in chosen:
-        for (name, _), rival in zip(forms, rivals, strict=True):
-            if name == ONCE_A_TURN and CALIBRATION_TERMS[k].startswith("zero"):
-                continue  # gravity at a wrong zero is such a torque
-            others = [number for number in kept if number != k]
-            a, b = weighted_rows(r, np.concatenate([columns[..., [k, *others]], terms, rival], axis=-1))
-            without = np.delete(a, N_NINE, axis=-1)
-            errors = [float(cross_validation_error(rows, b, problem.others).sum()) for rows in (a, without)]
-            if errors[0] > (1.0 - MIN_ERROR_REDUCTION) * errors[1]:
-                kept.remove(k)
-                break
-    return kept
-
-
 def find_calibration_errors(
     log: Log, settings: FilterSettings, others: Sequence[Regression] = (), names: Sequence[str] = CANDIDATES
 ) -> tuple[CalibrationError, ...]:
@@ -193,8 +161,7 @@ def find_calibration_errors(
     r, columns = _regression_and_columns(log, settings)
     problem = CalibrationProblem(log, settings, other_rows(others))
     candidates = dict.fromkeys(_candidates(columns, r.mask, names), MIN_ERROR_REDUCTION)
-    chosen = best_subset(*weighted_rows(r, columns), candidates, problem.others)
-    names = [CALIBRATION_TERMS[k] for k in _without_rival(problem, r, columns, chosen)]
+    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, problem.others)]
     while names:
         errors = problem.errors(names, names)
         rejected = [error for error in errors if not error.is_credible]
