@@ -75,7 +75,6 @@ def shares(kind, level, column="calibrated"):
 
 
 MAP = pd.read_csv(REFERENCE / "figures/study.csv")
-LOSSES = 100 * MAP.query("method == 'algorithm1' and opponent == 'ordinary'")["difference"]
 
 
 def gain(**condition):
@@ -88,9 +87,6 @@ def gain(**condition):
 
 WIDTH = table("coverage").query("arms == 'unmodelled' and level == 0.95").set_index("parameter")
 NUMERIC, VALIDATION = (100 * table(name).groupby("method")["total"].mean() for name in ("table06", "table07"))
-SEARCHED = ("algorithm1+refinement", "algorithm1+local-search", "differential-evolution")
-SCORES = pd.read_csv(REFERENCE / "validation/experiment.csv").query("method in @SEARCHED")
-APART = 100 * SCORES.groupby(["seed", "case", "joint"])["total"].agg(lambda of: of.max() - of.min()).max()
 #: Mean total over T1 to T4 of the accepted experiments with the default unit, a column for each method.
 OVER = pd.read_csv(REFERENCE / "accepted/methods.csv").query("case != 'ID'")
 OVER = 100 * OVER.groupby(["experiment", "method"])["total"].mean().unstack()
