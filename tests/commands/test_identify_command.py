@@ -74,12 +74,44 @@ def test_every_option_reaches_the_function(log, tmp_path, monkeypatch):
     monkeypatch.setattr(
         "repro.fitting.api.identify", lambda log, **options: given.update(options, log=log) or sys.exit(7)
     )
-    options = ["--validate", log, "--arm", arm, "--filter", "butterworth", "--cutoff", 7.5, "--friction", "--seed", 6]
-    options += ["--prior", prior, "--self-test", "--steps", 9, "--cache", tmp_path, "--method", "weighted"]
+    options = [
+        "--validate",
+        log,
+        "--arm",
+        arm,
+        "--filter",
+        "butterworth",
+        "--cutoff",
+        7.5,
+        "--no-friction",
+        "--seed",
+        6,
+    ]
+    options += [
+        "--prior",
+        prior,
+        "--self-test",
+        "--steps",
+        9,
+        "--cache",
+        tmp_path,
+        "--method",
+        "weighted",
+        "--earlier",
+        prior,
+    ]
     with pytest.raises(SystemExit, match="7"):
         identify("socket://a:1", "socket://b:1", *options, "-o", tmp_path / "out")
     kept = {"log": [tmp_path / f"out-recording-{k}.bin" for k in (1, 2)]}  # of each port
-    kept |= {"validate": [log], "arm": arm, "filter": "butterworth", "cutoff": 7.5, "friction": True, "seed": 6}
+    kept |= {
+        "validate": [log],
+        "arm": arm,
+        "filter": "butterworth",
+        "cutoff": 7.5,
+        "friction": False,
+        "seed": 6,
+        "earlier": prior,
+    }
     kept |= {"prior": prior, "self_test": True, "steps": 9, "cache": tmp_path, "method": ["weighted"]}
     assert given == kept
 
