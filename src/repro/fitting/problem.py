@@ -162,8 +162,9 @@ def _set_apart(
     noise = [len(smoothed(loaded.log).noisy_joints()) == len(loaded.log.tau) for loaded in fitted]
     if all(noise):
         return fitted, validation
-    driven, others = ([log for log, is_noise in zip(fitted, noise, strict=True) if is_noise == kind] for kind in (0, 1))
-    return driven, [*validation, *others]
+    pairs = list(zip(fitted, noise, strict=True))
+    without_torque = [log for log, is_noise in pairs if is_noise]
+    return [log for log, is_noise in pairs if not is_noise], [*validation, *without_torque]
 
 
 def make_problem(

@@ -143,7 +143,6 @@ def backlash(log: SmoothLog, width: float) -> Array:
 
 
 ZEROS, OFFSETS, CONSTANTS = "zero positions", "torque offsets", "torque constants that change with the current"
-ONCE_A_TURN = "torque of period one turn"
 _STRIBECK = tuple(product(STRIBECK_SPEEDS, (1, 2)))  # speeds (rad/s) and powers of the forms of Stribeck friction
 #: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts. The teeth of a gear
 #: may change sides at several loads over the largest one.
@@ -153,7 +152,7 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     "load-dependent friction": (load_friction,),
     "Stribeck friction": tuple(partial(stribeck, speed=speed, power=power) for speed, power in _STRIBECK),
     "both kinds of friction": tuple(partial(friction, speed=speed, power=power) for speed, power in _STRIBECK),
-    ONCE_A_TURN: (once_a_turn,),
+    "torque of period one turn": (once_a_turn,),
     "torque of period half a turn": (twice_a_turn,),
     "inertia of the rotor of joint 2": (rotor_inertia,),
     CONSTANTS: (lambda log: one_joint(log.tau * np.abs(log.tau)),),

@@ -41,9 +41,8 @@ class Prior:
     """Means and standard deviations of the nine parameters, and relations between them."""
 
     mean: Array = field(default_factory=lambda: np.zeros(9))  # SI; 0 where nothing is known
-    sd: Array = field(
-        default_factory=lambda: np.full(9, np.inf)
-    )  # infinity where nothing is known, 0 for a known value
+    #: Infinity where nothing is known, 0 where the value is known.
+    sd: Array = field(default_factory=lambda: np.full(9, np.inf))
     variance: float = 1.0  # of the torque errors of the log next to it, N^2 m^2
     correlated: float = 1.0  # rows of that log that are worth one independent row
     inflation: float | Array = 1.0  # whole over sampling variance of what each row states, by the log alone (m,)

@@ -1,4 +1,4 @@
-"""A bag of ROS as a table; a process of its own unpacks and reads it, within limits of memory and time."""
+"""A bag of ROS as a table; a child process unpacks and reads it, within limits of memory and time."""
 
 import json
 import math
