@@ -36,7 +36,7 @@ def refresh_gallery() -> None:
             small.save(GALLERY / figure.name, optimize=True)
 
 
-#: Files of a run, beside its tables, that a reader compares with and ledger and tables are computed from.
+#: Files of a run, next to its tables, that a reader compares with and ledger and tables are computed from.
 KEPT = (
     "model/training.csv",
     "model/model-card.md",
@@ -78,7 +78,7 @@ def refresh_reference() -> None:
         if not (REFERENCE / name).exists():
             (REFERENCE / name).parent.mkdir(parents=True, exist_ok=True)
             (REFERENCE / name).write_bytes(content)
-    # A run of its own says for itself what made it; what is as it was kept may be of an earlier run.
+    # A new result has the commit that made it; a file that did not change may be of an earlier run.
     for name in LONG_RESULTS:
         table = f"tables/{name}.csv"
         if table in OPTIONAL and (results / table).exists() and (results / table).read_bytes() != kept.get(table):

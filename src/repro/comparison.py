@@ -38,7 +38,7 @@ ABSOLUTE = 1e-12
 #: Factor on the measured spread over networks, because few were measured.
 MARGIN = 2.0
 #: Factor on the standard deviation over seeds of guesses. The one over networks is up to 2.2 times as large (Table 5 of
-#: the numeric tests), so a difference of two networks is within three of its own standard deviations.
+#: the numeric tests), so a difference of two networks is within three of its standard deviations.
 OF_SEEDS = 9.0
 #: Largest difference of two similarities on any hosts. Last bits alone move that of an arm that chatters by as much.
 LARGEST = 0.1

@@ -281,7 +281,7 @@ REFERENCE = ROOT / "docs/reference"
 
 
 def copied(folder, name, old="", new="", fingerprint=None):
-    """A table of the reference in a folder of its own, one text of it changed, made by a host of this fingerprint."""
+    """A table of the reference alone in a folder, one text of it changed, made by a host of this fingerprint."""
     text = (REFERENCE / name).read_text(encoding="utf-8")
     assert old in text
     (folder / name).parent.mkdir(parents=True)

@@ -110,11 +110,11 @@ def test_better_numbers_are_not_counted_as_reproduced(inputs):
     whole = path.read_bytes()
     try:
         write_csv(path, rows)
-        told = Page(build_report(inputs)).one("short")["text"]
+        sentences = Page(build_report(inputs)).one("short")["text"]
     finally:
         path.write_bytes(whole)
     counted = f"none is reproduced, 3 are better than published, 1 differs and {len(own) - 4} decide nothing"
-    assert counted in " ".join(told.split())
+    assert counted in " ".join(sentences.split())
 
 
 def test_results_come_before_settings(text):

@@ -131,7 +131,7 @@ def load_published(path: Path = PUBLISHED_FILE) -> Published:
     return Published(tuple(values.values()), path.name)
 
 
-#: What a cell of Tables 7 and 10 is told by.
+#: Columns that identify a cell of Tables 7 and 10.
 CELL = ("place", "case", "method", "joint")
 
 
