@@ -97,8 +97,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The torque error of joint 1 on T2 is not smaller, because the k1 of ID contains
-# some of the further friction, which T2 has, too:
+# The parameters are nearer to the truth. The torque error of joint 1 on T2 is not smaller, because the k1 of ID
+# contains some of the further friction, which T2 has, too:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():
