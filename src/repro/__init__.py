@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from repro.cnn.image import images
     from repro.cnn.network import estimate_residuals, load_network
     from repro.errors import InputError
-    from repro.fitting.api import Identification, identify
+    from repro.fitting.api import identify
+    from repro.fitting.identification import Identification
     from repro.identification.algorithm1.search import SearchSettings, algorithm1
     from repro.identification.armfile import Arm, read_arm
     from repro.identification.exciting_motion import excite
@@ -30,7 +31,7 @@ __version__ = "0.2.0"
 #: Module and name of each public object.
 _PUBLIC = {
     "Arm": ("repro.identification.armfile", "Arm"),
-    "Identification": ("repro.fitting.api", "Identification"),
+    "Identification": ("repro.fitting.identification", "Identification"),
     "InputError": ("repro.errors", "InputError"),
     "Log": ("repro.identification.log", "Log"),
     "SearchSettings": ("repro.identification.algorithm1.search", "SearchSettings"),

@@ -46,6 +46,13 @@ def one_of(known: Iterable[str], found: object) -> str:
     return f"{close[0]}, or one of {len(names) - 1} others" if close else f"one of {', '.join(names)}"
 
 
+def check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
+    """Refuse an argument of another type than a function takes, in one line."""
+    if not isinstance(value, kind):
+        shown = repr(value)
+        raise InputError.at(name, shown if len(shown) <= 60 else f"a value of type {type(value).__name__}", expected)
+
+
 def failure(error: OSError) -> str:
     """Name what the operating system refused, as part of a sentence."""
     text = error.strerror or str(error) or "an unreadable file"

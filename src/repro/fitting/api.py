@@ -1,283 +1,34 @@
-"""Identify an arm from Python: `identify` and the result that it returns. The command line calls the same."""
+"""`identify`: check what was given, read, fit, assemble. The command line calls the same."""
 
-import html
 import logging
 import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from types import NoneType
-from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 
 from repro.board.capture import files_of
-from repro.errors import InputError, failure, require
-from repro.files import check_folder
+from repro.errors import InputError, check_kind, failure, require
 from repro.fitting.earlier import changes_since
 from repro.fitting.evaluate import add_runs, add_self_test, assemble, fit_all, resolve
+from repro.fitting.identification import Identification
 from repro.fitting.prepare import LoadedLog, Options, load_log
 from repro.fitting.prior import read_prior, with_plane
 from repro.fitting.problem import IdentificationProblem, make_problem
-from repro.fitting.recommend import unusable
-from repro.fitting.result import Curves, MethodResult, Result
-from repro.fitting.tables import parameters_table, residuals_table, scores_table
+from repro.fitting.result import Curves, Result
 from repro.fitting.text import summary
 from repro.identification.armfile import Arm, read_arm
-from repro.identification.extra_terms import values_of
-from repro.identification.identified_arm import IdentifiedArm
 from repro.identification.log import Log
 from repro.identification.method import GROUPS, NETWORKS, network_cache
 from repro.logs.load import Source
-from repro.model.parameters import Array
 from repro.progress import Progress
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _LOG = logging.getLogger(__name__)
 
 Recording = str | Path | pd.DataFrame | Log
-
-
-@dataclass(frozen=True, repr=False)
-class Identification:
-    """What `identify` found: the estimates of one method, and how well they predict.
-
-    Attributes
-    ----------
-    details : repro.fitting.result.Result
-        Every number of every method, as ``parameters.json`` contains it.
-    method : str
-        Method that the properties below refer to: the recommended one, until `of` chooses another.
-
-    Examples
-    --------
-    >>> import repro
-    >>> result = repro.identify("data/captures/T3.bin", method=["ordinary", "bounded"], friction=False)
-    >>> result.method
-    'bounded'
-    >>> bounded = result.of("bounded")
-    >>> result.beta.shape, bool((bounded.beta == result.beta).all())
-    ((9,), True)
-    >>> still = np.zeros((2, 1))
-    >>> level = np.array([[np.pi / 2], [0.0]])
-    >>> torque = result.predict(level, still, still)
-    >>> bool(abs(torque[0, 0] - result.beta[3] - result.beta[4]) < 1e-12)
-    True
-    >>> t = np.linspace(0.0, 0.1, 11)
-    >>> q, dq = result.simulate(t, np.zeros((2, 11)), [0.5, 0.0], [0.0, 0.0])
-    >>> q.shape, bool(q[0, -1] < 0.5)
-    ((2, 11), True)
-    """
-
-    details: Result
-    method: str
-    _curves: Curves
-    _arm: Arm
-    _inputs: tuple[Path, ...] = ()
-    _load: Array | None = None  # parameters that give the load of friction
-
-    def of(self, method: str) -> "Identification":
-        """Give the same result from the viewpoint of another method that was run.
-
-        Parameters
-        ----------
-        method : str
-            Its name, such as ``"bounded"``.
-
-        Raises
-        ------
-        InputError
-            If the method was not run.
-        """
-        names = [m.method for m in self.details.methods]
-        if method not in names:
-            raise InputError.at("method", repr(method), f"one of {', '.join(names)}")
-        return replace(self, method=method)
-
-    @property
-    def _shown(self) -> Result:
-        """The details with this method as the recommended one; each log alone was fitted by that one."""
-        if self.method == self.details.recommended:
-            return self.details
-        reason = f"instead of {self.details.best.title}, which is recommended"
-        return replace(self.details, recommended=self.method, reason=reason, runs=())
-
-    @property
-    def _best(self) -> MethodResult:
-        return self._shown.best
-
-    @property
-    def beta(self) -> Array:
-        """The nine parameters (9,) in the order of Eq. 1, SI units."""
-        return np.array([p.estimate for p in self._best.parameters])
-
-    @property
-    def parameters(self) -> pd.DataFrame:
-        """Estimate, standard error, ends of the 95 % interval, unit and verdict of each parameter, indexed by its name.
-
-        A method that claims no intervals has NaN there.
-        """
-        table = parameters_table(self.details)
-        return table[table["method"] == self.method].drop(columns="method").set_index("parameter")
-
-    @property
-    def errors(self) -> pd.DataFrame:
-        """Torque error, similarity and position error of each log and joint: relative RMS, fraction of 1, rad."""
-        table = scores_table(self.details)
-        return table[table["method"] == self.method].drop(columns="method").reset_index(drop=True)
-
-    @property
-    def residuals(self) -> pd.DataFrame:
-        """Torque that was fitted, rebuilt torque and their difference at each sample of each log and joint, N m.
-
-        The fitted torque is the recorded one, filtered, with calibration errors corrected and less the terms beyond
-        Eq. 1 that were subtracted.
-        """
-        return residuals_table(self._shown, self._curves)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What may be wrong with the logs or with the result."""
-        return self.details.all_warnings
-
-    @property
-    def unusable(self) -> str:
-        """The reason not to use the parameters of this method; empty if they can be used."""
-        return unusable(self._best)
-
-    def predict(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike, log: int | None = None) -> Array:
-        """Compute the torque (2, N) that a motion needs, N m: of Eq. 1 and of the terms that were subtracted.
-
-        Parameters
-        ----------
-        q, dq, ddq : array_like of shape (2, N)
-            Position (rad), velocity (rad/s) and acceleration (rad/s^2).
-        log : int, optional
-            Place of a fitted log: the motion is as this log records it, and so is the torque, with the calibration
-            errors that were corrected there. By default angles and torques are those of Eq. 1.
-
-        Raises
-        ------
-        ValueError
-            If shapes differ or a value is not finite.
-        InputError
-            If there is no such log.
-        """
-        calibration = dict[str, float]()
-        if log is not None:
-            n = len(self.details.fitted_logs)
-            if log not in range(-n, n):
-                raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
-            errors = self.details.calibration_errors
-            calibration = values_of(errors[log]) if errors else {}
-        return replace(self._identified, calibration=calibration).torque(q, dq, ddq)
-
-    @property
-    def _identified(self) -> IdentifiedArm:
-        terms = [term for term in self.details.terms if term.taken]
-        return IdentifiedArm(self.beta, self.details.preparation.friction_steepness, terms, self._load)
-
-    def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
-        """Integrate Eq. 1, with the terms that were subtracted, under a torque that is linear between samples.
-
-        Parameters
-        ----------
-        t : array_like of shape (N,)
-            Instants, s, that increase.
-        tau : array_like of shape (2, N)
-            Torque at these instants, N m.
-        q0, dq0 : array_like of shape (2,)
-            Position (rad) and velocity (rad/s) at the first instant.
-
-        Returns
-        -------
-        q, dq : arrays of shape (2, N)
-            Position and velocity at each instant.
-
-        Raises
-        ------
-        ValueError
-            If the inertia matrix is not positive definite in every pose, a shape is wrong, or a value is not finite.
-        """
-        return self._identified.simulate(t, tau, q0, dq0)
-
-    def plot(self, log: int = 0) -> "Figure":
-        """Draw measured and rebuilt torque of a log, with the residual below.
-
-        Parameters
-        ----------
-        log : int
-            Place of the log: those that were fitted, then those to validate.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            To show or to save.
-
-        Raises
-        ------
-        InputError
-            If there is no such log.
-        """
-        from repro.drawing.style import house_style  # noqa: PLC0415  (a fit alone needs no drawing)
-        from repro.fitting.figures import draw_overlay  # noqa: PLC0415
-
-        n = len(self._curves.signals)
-        if log not in range(-n, n):
-            raise InputError.at("log", repr(log), f"a number from 0 to {n - 1}")
-        with house_style():
-            return draw_overlay(self._curves.signals[log], {self.method: self._best.title}, self.details.simulated)
-
-    def save(self, folder: str | Path, overwrite: bool = False) -> list[str]:
-        """Write parameters, scores, residuals, report and models of the arm, by the recommended method.
-
-        Parameters
-        ----------
-        folder : path
-            New, or empty, or that of an earlier result.
-        overwrite : bool
-            Whether files with the names of these may be replaced.
-
-        Returns
-        -------
-        list of str
-            Names of the files.
-
-        Raises
-        ------
-        InputError
-            If the folder contains files and `overwrite` is not given, or cannot be written, or `of` chose another
-            method than the recommended one.
-        """
-        from repro.fitting.outputs import write_result  # noqa: PLC0415
-
-        _check_kind("folder", folder, (str, Path), "a path")
-        _check_kind("overwrite", overwrite, bool, "True or False")
-        if self.method != self.details.recommended:
-            expected = f"the recommended {self.details.recommended!r}, or identify(..., method={self.method!r})"
-            raise InputError.at("method", repr(self.method), expected)
-        check_folder(Path(folder), overwrite)
-        return write_result(Path(folder), self.details, self._curves, self._arm, self._inputs)
-
-    def __str__(self) -> str:
-        return summary(self._shown)
-
-    def __repr__(self) -> str:
-        numbers = ", ".join(f"{p.name}={p.estimate:.4g}" for p in self._best.parameters)
-        return f"Identification({self.details.log.name!r}, method={self.method!r}, {numbers})"
-
-    def _repr_html_(self) -> str:
-        """Show the parameters and the warnings in a notebook."""
-        simulated = " (simulated)" if self.details.simulated else ""
-        title = html.escape(f"{self.details.arm}{simulated}: {self._best.title}")
-        lines = "".join(f"<li>{html.escape(line)}</li>" for line in self.warnings)
-        table = self.parameters.to_html(float_format=lambda x: f"{x:.4g}", na_rep="")
-        return f"<p><b>{title}</b></p>{table}{lines and f'<ul>{lines}</ul>'}"
 
 
 def identify(
@@ -362,11 +113,11 @@ def identify(
     >>> figure = result.plot()
     """
     fitted, validation = _several("log", log), _several("validate", validate)
-    _check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
+    check_kind("arm", arm, (str, Path, Arm, NoneType), "a path or an Arm")
     for name, path in (("cache", cache), ("earlier", earlier)):
-        _check_kind(name, path, (str, Path, NoneType), "a path")
+        check_kind(name, path, (str, Path, NoneType), "a path")
     for name, switch in (("friction", friction), ("self_test", self_test)):
-        _check_kind(name, switch, bool, "True or False")
+        check_kind(name, switch, bool, "True or False")
     described = arm if isinstance(arm, Arm) else read_arm(arm)
     names = choose_methods(method, len(fitted), self_test)
     before = None if prior is None else read_prior(prior)
@@ -423,14 +174,8 @@ def _several(name: str, given: Recording | Sequence[Recording]) -> tuple[Source,
     recordings = tuple(given) if isinstance(given, (list, tuple)) else (given,)
     expected = "a path, a DataFrame, Log(t=..., q=..., tau=...) of arrays, or a list of these"
     for recording in recordings:
-        _check_kind(name, recording, (str, Path, pd.DataFrame, Log), expected)
+        check_kind(name, recording, (str, Path, pd.DataFrame, Log), expected)
     return tuple(Path(recording) if isinstance(recording, str) else recording for recording in recordings)
-
-
-def _check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
-    if not isinstance(value, kind):
-        shown = repr(value)
-        raise InputError.at(name, shown if len(shown) <= 60 else f"a value of type {type(value).__name__}", expected)
 
 
 def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool = False) -> tuple[str, ...]:
@@ -439,7 +184,7 @@ def choose_methods(method: str | Sequence[str], n_logs: int = 1, self_test: bool
         raise InputError.at("log", "no recording", "at least one")
     given = tuple(method) if isinstance(method, (list, tuple)) else (method,)
     for choice in given:
-        _check_kind("method", choice, str, "a name or a list of names")
+        check_kind("method", choice, str, "a name or a list of names")
     names = tuple(dict.fromkeys(name for choice in given for name in GROUPS.get(choice, (choice,))))
     unknown = [name for name in names if name not in GROUPS["all"]]
     if unknown or not names:
