@@ -96,16 +96,29 @@ def test_a_fault_is_found_from_the_size_that_is_said(name):
 
 
 def test_a_scale_that_a_log_alone_does_not_show_shows_with_another_log():
-    log = noisy(1, small(0.3, seconds=6.0), size=0.1)
+    log = noisy(4, small(0.4, seconds=5.0), size=0.15)
     others = [drop_standstill(prepare(noisy(2), SETTINGS))]
     alone, both = calibration_limits(log, SETTINGS, ()), calibration_limits(log, SETTINGS, (), others)
     assert all(both[name] < alone[name] for name in CANDIDATES)
-    assert both["scale2"] < 0.5 * alone["scale2"]
-    scale = 1.0 + 1.5 * both["scale2"]
+    scale = 1.0 + 1.3 * both["scale2"]
     wrong = spoilt(log, scale2=scale)
     assert find_calibration_errors(wrong, SETTINGS) == ()
     (error,) = find_calibration_errors(wrong, SETTINGS, others)
     assert (error.name, error.value) == ("scale2", pytest.approx(scale, abs=4 * error.error))
+
+
+def with_torque_friction(log, share):
+    """The log of an arm whose joint 2 has Coulomb friction of this share of the torque that its drive applies."""
+    speed = np.gradient(log.q[1], log.t)
+    directions = np.tanh(SETTINGS.friction_steepness * speed) * np.sign(log.tau[1])
+    return replace(log, tau=log.tau / np.stack([np.ones_like(speed), 1.0 - share * directions]))
+
+
+@pytest.mark.parametrize("share", [0.2, 0.4])
+def test_friction_in_proportion_to_the_torque_is_no_scale_and_hides_none(share):
+    log = noisy(1, with_torque_friction(CLEAN, share))
+    assert "scale2" not in {error.name for error in find_calibration_errors(log, SETTINGS)}
+    assert "scale2" in {error.name for error in find_calibration_errors(spoilt(log, scale2=1.6), SETTINGS)}
 
 
 def test_what_is_put_right_is_not_among_what_may_be_hidden():

@@ -2,6 +2,9 @@
 
 A wrong zero position turns gravity, an offset of the torque is always there, and a wrong torque constant of one joint
 shows because both joints share I2, I3 and g2. Columns are selected first; Gauss-Newton on the corrected log follows.
+
+Friction c |u| sign(w) that grows with the torque u of the drive makes u larger by 1 / (1 - c) where it drives, smaller
+by 1 / (1 + c) where it brakes, and larger on average: a wrong torque constant must be needed next to such friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,13 +19,16 @@ from repro.identification.extra_terms import (
     Term,
     TermKind,
     best_subset,
+    cross_validation_error,
     detection_limits,
     fit_with_errors,
+    nine_and,
     offset,
     one_joint,
     other_rows,
     term_columns,
     term_names,
+    torque_friction,
     weighted_rows,
     zero_position,
 )
@@ -48,6 +54,9 @@ CALIBRATION: dict[str, TermKind] = {
 OTHER_SCALE, SCALE = "scale1", "scale2"  # torque constants belong to the arm rather than to a log
 CALIBRATION_TERMS = term_names(CALIBRATION)
 CANDIDATES = tuple(name for name in CALIBRATION_TERMS if name != OTHER_SCALE)  # those that a log is searched for
+#: Columns that are computed together: behind those of calibration errors, the friction that looks like a scale.
+_COLUMNS = CALIBRATION | {"friction": TermKind(torque_friction)}
+_FRICTION = range(len(CALIBRATION_TERMS), len(term_names(_COLUMNS)))
 
 
 @dataclass(frozen=True)
@@ -91,9 +100,9 @@ def _candidates(columns: Array, mask: NDArray[np.bool_], names: Sequence[str]) -
 
 @cached_per_log
 def _regression_and_columns(log: Log, settings: FilterSettings) -> tuple[Regression, Array]:
-    """Regression of a log without standstill, and the columns of all calibration errors."""
+    """Regression of a log without standstill, and the columns of all calibration errors and of friction."""
     r = drop_standstill(prepare(log, settings, even_odd=False))
-    return r, term_columns(CALIBRATION, log, settings, solve(r.y, r.tau))
+    return r, term_columns(_COLUMNS, log, settings, solve(r.y, r.tau))
 
 
 @dataclass(frozen=True)
@@ -154,6 +163,16 @@ class CalibrationProblem:
         return replace(error, instead=instead)
 
 
+def _is_scale_needed(a: Array, b: Array, chosen: Sequence[int], others: Array) -> bool:
+    """Whether the scale among chosen columns is worth its place next to friction in proportion to the torque."""
+    without = [*_FRICTION, *(k for k in chosen if CALIBRATION_TERMS[k] != SCALE)]
+    with_it = [*without, CALIBRATION_TERMS.index(SCALE)]
+    smaller, larger = (
+        cross_validation_error(a[..., nine_and(subset)], b, others).sum() for subset in (with_it, without)
+    )
+    return bool(smaller < (1.0 - MIN_ERROR_REDUCTION) * larger)
+
+
 def find_calibration_errors(
     log: Log, settings: FilterSettings, others: Sequence[Regression] = (), names: Sequence[str] = CANDIDATES
 ) -> tuple[CalibrationError, ...]:
@@ -161,7 +180,11 @@ def find_calibration_errors(
     r, columns = _regression_and_columns(log, settings)
     problem = CalibrationProblem(log, settings, other_rows(others))
     candidates = dict.fromkeys(_candidates(columns, r.mask, names), MIN_ERROR_REDUCTION)
-    names = [CALIBRATION_TERMS[k] for k in best_subset(*weighted_rows(r, columns), candidates, problem.others)]
+    a, b = weighted_rows(r, columns)
+    scale, chosen = CALIBRATION_TERMS.index(SCALE), best_subset(a, b, candidates, problem.others)
+    if scale in chosen and not _is_scale_needed(a, b, chosen, problem.others):
+        chosen = best_subset(a, b, {k: least for k, least in candidates.items() if k != scale}, problem.others)
+    names = [CALIBRATION_TERMS[k] for k in chosen]
     while names:
         errors = problem.errors(names, names)
         rejected = [error for error in errors if not error.is_credible]
@@ -188,5 +211,8 @@ def calibration_limits(
     first, second = np.abs(log.tau).max(axis=-1)
     max_sizes = dict(zip(CANDIDATES, (MAX_ZERO, MAX_ZERO, first, second, MAX_SCALE - 1.0), strict=True))
     limits = detection_limits(a, b, subset, candidates, r.h, other_rows(others))
+    if CALIBRATION_TERMS.index(SCALE) in candidates:  # the last
+        next_to_friction = detection_limits(a, b, [*subset, *_FRICTION], candidates[-1:], r.h, other_rows(others))
+        limits[-1:] = [max(limits[-1], *next_to_friction)]
     sizes = zip((CALIBRATION_TERMS[k] for k in candidates), limits, strict=True)
     return {name: size if size < max_sizes[name] else None for name, size in sizes}

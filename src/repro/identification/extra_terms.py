@@ -115,6 +115,11 @@ def load_friction(log: SmoothLog) -> Array:
     return one_joint(np.abs(log.y[..., :N_LOAD] @ log.beta[:N_LOAD]) * log.coulomb)
 
 
+def torque_friction(log: SmoothLog) -> Array:
+    """Compute Coulomb friction in proportion to the recorded torque, which contains it, shape (2, N, 2)."""
+    return one_joint(np.abs(log.tau) * log.coulomb)
+
+
 def stribeck(log: SmoothLog, speed: float = STRIBECK_SPEEDS[-1], power: int = 2) -> Array:
     """Compute friction that is larger near rest, shape (2, N, 2): powers of 1 and 2 are both in use."""
     return one_joint(log.coulomb * np.exp(-((np.abs(log.moved[1]) / speed) ** power)))
@@ -329,7 +334,7 @@ def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tu
     return x, np.maximum(spread, jackknife)
 
 
-def _nine_and(subset: Sequence[int]) -> list[int]:
+def nine_and(subset: Sequence[int]) -> list[int]:
     """Numbers of the nine columns and of some of those behind them."""
     return [*range(N_NINE), *(N_NINE + k for k in subset)]
 
@@ -341,7 +346,7 @@ def best_subset(
     subsets = [subset for size in range(len(candidates) + 1) for subset in combinations(candidates, size)]
     blocks = _blocks(a, b)
     penalty = [-sum(np.log(1.0 - candidates[k]) for k in subset) for subset in subsets]
-    errors = (_block_error(blocks, _nine_and(subset), others) for subset in subsets)
+    errors = (_block_error(blocks, nine_and(subset), others) for subset in subsets)
     log_error = [np.sum(np.log(error)) if by_joint else np.log(error.sum()) for error in errors]
     return list(subsets[int(np.argmin(np.add(log_error, penalty)))])
 
@@ -353,10 +358,10 @@ def detection_limits(
 
     A column of size x reduces the squared error by x^2 S, with S its part that no other column contains.
     """
-    error, limits = float(cross_validation_error(a[..., _nine_and(chosen)], b, others).sum()), []
+    error, limits = float(cross_validation_error(a[..., nine_and(chosen)], b, others).sum()), []
     ratio = MIN_ERROR_REDUCTION / (1.0 - MIN_ERROR_REDUCTION)
     for k in candidates:
-        columns = a[..., _nine_and([*chosen, k])]
+        columns = a[..., nine_and([*chosen, k])]
         _, standard_error = fit_with_errors(columns, b, h, others)
         flat = columns.reshape(-1, columns.shape[-1])
         rows = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
@@ -394,8 +399,8 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
 
     def evaluated(k: int, chosen: Sequence[int]) -> ExtraTerm:
         rest = [number for number in chosen if number != k]
-        columns = a[..., _nine_and([k, *rest])]
-        with_it, without = (cross_validation_error(part, b) for part in (columns, a[..., _nine_and(rest)]))
+        columns = a[..., nine_and([k, *rest])]
+        with_it, without = (cross_validation_error(part, b) for part in (columns, a[..., nine_and(rest)]))
         # The product of both joints' ratios: a term that acts on one joint is judged by that joint.
         gain = 1.0 - float(np.exp(np.sum(np.log(with_it) - np.log(without))))
         value, standard_error = (float(x[N_NINE]) for x in fit_with_errors(columns, b, r.h))
