@@ -4,7 +4,6 @@ A new method is a function from a `Regression` to an `Estimate`, an entry of `ME
 `repro.identification.method.LEAST_SQUARES`.
 """
 
-import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import wraps
@@ -40,6 +39,8 @@ MIN_EIGENVALUE_RATIO = 1e-3
 MIN_FRICTION_RATIO = 1e-6  # friction torque over the largest torque of a parameter below which friction is set to zero
 #: What beta loses when a unit is taken from both diagonal elements of [[I1 - I3, I2/2], [I2/2, I3]].
 INERTIA_MARGIN = np.array([2.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+#: Rows of beta (9,): upper triangle of that matrix, as a vector of the same norm.
+INERTIA_CONE = np.array([[1.0, 0.0, -1.0], [0.0, np.sqrt(0.5), 0.0], [0.0, 0.0, 1.0]]) @ np.eye(3, 9)
 LOWER_BOUNDS = np.array([-np.inf] * 5 + [0.0] * 4)  # lower bounds: friction is zero or more, the rest is free
 UPPER_BOUNDS = np.full(9, np.inf)
 #: Signs of I2, g1 and g2 whose product is positive.
@@ -156,23 +157,25 @@ def solve_inequality(
     """Minimise |R z - c| over beta = z / scale + known (9,) whose inertia has eigenvalues of `margin` (kg m^2) or more.
 
     M(q) is positive definite in every pose when [[I1 - I3, I2/2], [I2/2, I3]] is (see `repro.model.parameters`): a
-    linear matrix inequality, solved by Clarabel through CVXPY. The bounds (9,) of beta are zero or infinite.
+    linear matrix inequality, solved by Clarabel. The bounds (9,) of beta are zero or infinite.
     """
-    import cvxpy as cp  # noqa: PLC0415  (takes a second to load, and most logs need none of it)
+    import clarabel  # noqa: PLC0415  (most logs need none of it)
+    from scipy.sparse import csc_array  # noqa: PLC0415
 
     size = float(np.linalg.norm(c)) or 1.0  # the solver's tolerances are made for numbers about 1
-    z = cp.Variable(9)
-    beta = cp.multiply(z, 1.0 / scale) + known / size
-    off = beta[1] / 2.0
-    inertia = cp.bmat([[beta[0] - beta[2], off], [off, beta[2]]])
-    conditions = [inertia >> margin / size * np.eye(2), beta[low == 0.0] >= 0.0, beta[high == 0.0] <= 0.0]
-    problem = cp.Problem(cp.Minimize(cp.sum_squares(r @ z - c / size)), conditions)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of inaccuracy, which `is_positive_definite` is there to catch
-        problem.solve(solver=cp.CLARABEL)
-    if z.value is None:
-        raise NoSolutionError(f"the convex solver ended with {problem.status!r}")
-    solution: Array = size * np.asarray(z.value)
+    rows = np.vstack([np.eye(9)[low == 0.0], -np.eye(9)[high == 0.0], INERTIA_CONE])
+    limits = (rows @ known - np.r_[np.zeros(len(rows) - 3), margin, 0.0, margin]) / size
+    # Residuals y = R z - c are variables, too: R' R would lose half of the digits.
+    n, n_bounds = len(r), len(rows) - 3
+    a = np.block([[-np.eye(n), r], [np.zeros((len(rows), n)), -rows / scale]])
+    objective = csc_array(np.diag(np.repeat([2.0, 0.0], [n, 9]))), np.zeros(n + 9)
+    cones = [clarabel.ZeroConeT(n), clarabel.NonnegativeConeT(n_bounds), clarabel.PSDTriangleConeT(2)]
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    found = clarabel.DefaultSolver(*objective, csc_array(a), np.r_[c / size, limits], cones, settings).solve()
+    if found.status not in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
+        raise NoSolutionError(f"the convex solver ended with {found.status}")
+    solution = size * np.array(found.x[n:])
     # The pull to zero is below the solver's tolerance; the inertia keeps what its condition requires. The solver stays
     # inside its bounds by a hair: friction that small is a bound that holds.
     solution[5:] *= determined(r, c)[5:]
