@@ -16,7 +16,7 @@ from repro.contract import held
 from repro.documents import read_json
 from repro.files import write_json
 
-PACKAGES = ("numpy", "scipy", "cvxpy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
+PACKAGES = ("numpy", "scipy", "clarabel", "torch", "pandas", "matplotlib", "safetensors", "snakemake")
 
 
 def git(folder: Path, *arguments: str) -> str | None:

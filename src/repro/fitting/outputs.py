@@ -30,9 +30,9 @@ OPTIONAL = {URDF_FILE, MJCF_FILE, "no-links.txt", "runs.csv"}  # files that are 
 #: BibTeX keys of the intervals, and of the solvers of some methods.
 INTERVALS = ("kunsch1989jackknife", "kott2001delete", "jcgm2008gum", "baranchik1970family", "cook1994simex")
 SOLVERS = {
-    "consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
-    "weighted-consistent": ("diamond2016cvxpy", "goulart2024clarabel"),
-    "parsimonious": ("diamond2016cvxpy", "goulart2024clarabel"),
+    "consistent": ("goulart2024clarabel",),
+    "weighted-consistent": ("goulart2024clarabel",),
+    "parsimonious": ("goulart2024clarabel",),
     "algorithm1+refinement": ("storn1997differential",),
 }
 

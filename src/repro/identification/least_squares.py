@@ -9,9 +9,11 @@ from dataclasses import replace
 from functools import wraps
 from operator import itemgetter
 
+import clarabel
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
+from scipy.sparse import csc_array
 
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import (
@@ -159,9 +161,6 @@ def solve_inequality(
     M(q) is positive definite in every pose when [[I1 - I3, I2/2], [I2/2, I3]] is (see `repro.model.parameters`): a
     linear matrix inequality, solved by Clarabel. The bounds (9,) of beta are zero or infinite.
     """
-    import clarabel  # noqa: PLC0415  (most logs need none of it)
-    from scipy.sparse import csc_array  # noqa: PLC0415
-
     size = float(np.linalg.norm(c)) or 1.0  # the solver's tolerances are made for numbers about 1
     rows = np.vstack([np.eye(9)[low == 0.0], -np.eye(9)[high == 0.0], INERTIA_CONE])
     limits = (rows @ known - np.r_[np.zeros(len(rows) - 3), margin, 0.0, margin]) / size
