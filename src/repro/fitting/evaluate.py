@@ -268,7 +268,8 @@ def inverse_errors(errors: Mapping[str, float]) -> dict[str, float]:
 def synthetic_log(prepared: PreparedLog, beta: Array, rng: np.random.Generator) -> LoadedLog:
     """Simulate the recording of a log, or of its longest piece, with an arm of known parameters."""
     s, loaded = prepared.settings, prepared.loaded
-    pairs = zip(loaded.log.pieces, segments(loaded.recorded or loaded.log), strict=True)
+    recorded = segments(loaded.recorded or loaded.log) if loaded.log.block == 1 else loaded.log.pieces
+    pairs = zip(loaded.log.pieces, recorded, strict=True)
     longest = max(pairs, key=lambda pair: pair[0].t.size)
     log, piece = (replace(part, t=part.t - part.t[0]) for part in longest)
     even, h, top = uniform(piece), period(log), motion_cutoff(s, period(log))

@@ -20,9 +20,10 @@ from repro.identification.calibration import (
     correct_calibration,
     find_calibration_errors,
 )
+from repro.identification.decimation import decimated
 from repro.identification.extra_terms import TERMS, ExtraTerm, find_terms, subtract_terms, term_columns, values_of
 from repro.identification.least_squares import METHODS
-from repro.identification.log import Log, period, uniform
+from repro.identification.log import Log, period, recorded_period, uniform
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, solve
 from repro.identification.scores import unexplained
 from repro.logs.conventions import smoothed
@@ -66,7 +67,7 @@ class Options:
 class LoadedLog:
     """A log with its description."""
 
-    log: Log  # evenly sampled
+    log: Log  # evenly sampled, a long one at a lower rate
     description: Description  # of the log as it was recorded
     recorded: Log | None = None  # before it was evenly sampled, where that is known
 
@@ -119,6 +120,7 @@ def load_log(source: Source, arm: Arm) -> LoadedLog:
     log = uniform(raw)
     if (wrong := unreliable_torque(log)).any():
         log = replace(log, left_out=wrong)
+    log = decimated(log)
     fresh = tuple(note for note in log.notes if note not in description.notes)
     warnings = (*description.warnings, *left_out_torque(log))
     return LoadedLog(log, replace(description, notes=description.notes + fresh, warnings=warnings), raw)
@@ -230,7 +232,8 @@ def _interval_doubt(log: PreparedLog, arm: Arm) -> str:
             return f"the torque of joint {quiet[0]} is little more than noise"
         explained = f"{max(100.0 * (1.0 - left[worst]), 0.0):.0f} % of the squared torque of joint {worst + 1}"
         return f"Eq. 1 predicts only {explained} from the rest of the log"
-    at_limit = saturated(log.recorded).mean(axis=-1)  # a corrected torque has no limit
+    # A corrected torque has no limit, nor has the mean of several samples.
+    at_limit = saturated(log.loaded.recorded or log.recorded).mean(axis=-1)
     worst = int(np.argmax(at_limit))
     if at_limit[worst] > MAX_SATURATED and left[worst] > MAX_LEFT_SATURATED:
         return f"the torque of joint {worst + 1} is at its limit in {100.0 * at_limit[worst]:.0f} % of the samples"
@@ -257,7 +260,7 @@ def _in_common(logs: Sequence[PreparedLog], arm: Arm) -> _Common:
 def _common_delay(logs: Sequence[PreparedLog]) -> tuple[float, float]:
     """Weigh the delays of several logs by their precision; their scatter widens the error (Birge)."""
     delay = np.array([log.settings.delay for log in logs])
-    weight = 1.0 / np.array([max(log.delay_error, period(log.recorded) / 10.0) for log in logs]) ** 2
+    weight = 1.0 / np.array([max(log.delay_error, recorded_period(log.recorded) / 10.0) for log in logs]) ** 2
     mean = float(np.average(delay, weights=weight))
     birge = float(np.sum(weight * (delay - mean) ** 2)) / (len(logs) - 1)
     return mean, float(np.sqrt(max(birge, 1.0) / weight.sum()))

@@ -13,7 +13,7 @@ from repro.fitting.problem import IdentificationProblem
 from repro.fitting.result import HALVES, Excitation, MethodResult, Score
 from repro.identification.filtering import MAX_EXPECTED_DELAY, MIN_SIGNAL_TO_NOISE
 from repro.identification.least_squares import METHODS
-from repro.identification.log import period
+from repro.identification.log import recorded_period
 from repro.identification.regression import solve
 from repro.identification.scores import driven, relative_rms
 
@@ -273,7 +273,7 @@ def odd_delay(problem: IdentificationProblem) -> Iterator[str]:
             found = f"the delay of the torque{where} is {delay}, as if it acted before it was recorded"
             reason = "either the stamps of position and torque differ, or the log does not determine it"
             yield f"{found}: {reason} (arm file: delay)"
-        elif log.settings.delay >= (most := MAX_EXPECTED_DELAY * period(log.recorded)) * (1.0 - EQUAL):
+        elif log.settings.delay >= (most := MAX_EXPECTED_DELAY * recorded_period(log.recorded)) * (1.0 - EQUAL):
             applied = log.settings.delay > most * (1.0 + EQUAL)
             found = f"the torque{where} fits the motion best more than {MAX_EXPECTED_DELAY:g} sampling periods later"
             what = f"{delay} are applied" if applied else f"only {delay} are applied, as the evidence is weak"

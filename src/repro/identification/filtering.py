@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import spline_filter1d
 
 from repro.errors import InputError
-from repro.identification.log import Log, cached_per_log, period
+from repro.identification.log import Log, cached_per_log, period, recorded_period
 from repro.identification.regression import Regression, correlation_time, joined, masked, solve
 from repro.model.dynamics import LAMBDA, regressor
 from repro.model.parameters import Array
@@ -334,7 +334,7 @@ def estimate_delay(log: Log, settings: FilterSettings, columns: Array | None = N
         # The sum of squares grows by its mean over independent samples within a standard error of the minimum.
         n_independent = residual[best].size * h / correlation_time(residual[best], h)
         spread = float(np.sqrt(error.min() / n_independent / curve))
-    expected = float(np.clip(delay, 0.0, min(MAX_EXPECTED_DELAY * period(log), MAX_DELAY)))
+    expected = float(np.clip(delay, 0.0, min(MAX_EXPECTED_DELAY * recorded_period(log), MAX_DELAY)))
     if error.min() > (1.0 - MIN_ERROR_REDUCTION) * np.interp(expected, delays, error):
         return expected, min(float(np.hypot(spread, delay - expected)), MAX_DELAY)
     return delay, MAX_DELAY if abs(delay) >= MAX_DELAY else min(spread, MAX_DELAY)

@@ -1,10 +1,10 @@
 """A recording in SI units, and the same at evenly spaced instants: short gaps are bridged, long ones split it."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from itertools import pairwise
-from typing import TypeVar
+from typing import Any, TypeVar, TypeVarTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -45,6 +45,8 @@ class Log:
         Samples that begin a new piece behind a long gap, of a log that was made even.
     left_out : array of shape (2, N), optional
         Whether each torque is left out of fits, because it is not the one that acted, of a log that was made even.
+    block : int
+        Number of recorded samples that each sample is the mean of, of a long log that was made even.
 
     Raises
     ------
@@ -70,6 +72,7 @@ class Log:
     torque_limit: Array | None = None
     breaks: tuple[int, ...] = ()
     left_out: NDArray[np.bool_] | None = None
+    block: int = 1
 
     def __post_init__(self) -> None:
         """Check the arrays, and take them as double precision."""
@@ -88,6 +91,8 @@ class Log:
         if self.left_out is not None and (self.left_out.shape, self.left_out.dtype) != ((2, n), np.dtype(np.bool_)):
             found = f"{self.left_out.dtype} of shape {self.left_out.shape}"
             raise InputError.at(f"{self.name}: left_out", found, f"bool of shape {(2, n)}")
+        if not isinstance(self.block, int) or self.block < 1:
+            raise InputError.at(f"{self.name}: block", self.block, "a whole number from 1")
         wrong = np.flatnonzero(np.diff(self.t) <= 0.0)
         if wrong.size:
             k = int(wrong[0]) + 1
@@ -111,19 +116,19 @@ class Log:
         return max(self.pieces, key=lambda piece: piece.t.size)
 
 
-Settings = TypeVar("Settings", bound=Hashable)
+Settings = TypeVarTuple("Settings")
 Computed = TypeVar("Computed")
 
 
-def cached_per_log(function: Callable[[Log, Settings], Computed]) -> Callable[[Log, Settings], Computed]:
-    """Cache a function of a log and settings for as long as the log lives."""
-    results: WeakKeyDictionary[Log, dict[Settings, Computed]] = WeakKeyDictionary()
+def cached_per_log(function: Callable[[Log, *Settings], Computed]) -> Callable[[Log, *Settings], Computed]:
+    """Cache a function of a log and settings, which are hashable, for as long as the log lives."""
+    results: WeakKeyDictionary[Log, dict[tuple[*Settings], Computed]] = WeakKeyDictionary()
 
     @wraps(function)
-    def cached(log: Log, settings: Settings) -> Computed:
+    def cached(log: Log, *settings: *Settings) -> Computed:
         of_log = results.setdefault(log, {})
         if settings not in of_log:
-            of_log[settings] = function(log, settings)
+            of_log[settings] = function(log, *settings)
         return of_log[settings]
 
     return cached
@@ -156,6 +161,11 @@ HALF_SPAN = 0.02  # half the time that a difference spans, s
 def period(log: Log) -> float:
     """Typical time from one sample to the next, s."""
     return float(np.median(np.diff(log.t)))
+
+
+def recorded_period(log: Log) -> float:
+    """Typical time from one recorded sample to the next, s, also of a log that consists of means."""
+    return period(log) / log.block
 
 
 def half_window(log: Log) -> int:
@@ -192,11 +202,18 @@ def uniform(log: Log) -> Log:
     even = [_even(piece) for piece in pieces]
     if even[0] is log:
         return log
-    names = [name for name in _SIGNALS if getattr(log, name) is not None]
-    joined = {name: np.concatenate([getattr(piece, name) for piece in even], axis=-1) for name in names}
-    breaks = tuple(np.cumsum([piece.t.size for piece in even[:-1]], dtype=int).tolist())
     notes = max(even, key=lambda piece: piece.t.size).notes
-    return replace(log, **{**joined, "t": joined["t"] - log.t[0]}, breaks=breaks, notes=notes)
+    return join_pieces(log, [replace(piece, t=piece.t - log.t[0], notes=notes) for piece in even])
+
+
+def join_pieces(log: Log, pieces: Sequence[Log]) -> Log:
+    """Replace the samples of a log by those of pieces of it, with breaks between them and the notes of the first."""
+    names = [name for name in _SIGNALS if getattr(log, name) is not None]
+    joined: dict[str, Any] = {
+        name: np.concatenate([getattr(piece, name) for piece in pieces], axis=-1) for name in names
+    }
+    breaks = tuple(np.cumsum([piece.t.size for piece in pieces[:-1]], dtype=int).tolist())
+    return replace(log, **joined, breaks=breaks, notes=pieces[0].notes)
 
 
 MIN_BURSTS = 10  # gaps of a log that is nothing but bursts

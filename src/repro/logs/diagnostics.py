@@ -9,7 +9,17 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from repro.identification.armfile import Arm
-from repro.identification.log import MAX_PERIOD_RATIO, MIN_RANGE_RAD, Log, half_window, missing_samples, period, speed
+from repro.identification.decimation import decimated
+from repro.identification.log import (
+    MAX_PERIOD_RATIO,
+    MIN_RANGE_RAD,
+    Log,
+    half_window,
+    missing_samples,
+    period,
+    speed,
+    uniform,
+)
 from repro.logs.conventions import better_convention, late_torque, smoothed
 from repro.logs.torque_limits import quantisation_step, saturated
 from repro.model.parameters import Array
@@ -158,7 +168,7 @@ def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     warnings = [*still, *turns, *odd_speed(log), *jumps, *spikes, *odd_torque(log)]
     # A joint at rest, a jump or a spike misleads checks of signals against each other; degrees seem to jump, too.
     if not (still or spikes) and (turns or not jumps):
-        smooth = smoothed(log)
+        smooth = smoothed(decimated(uniform(log)))
         warnings += [*velocity_disagrees(log), *better_convention(log, smooth, arm)]
         warnings += late_torque(smooth, arm.delay or 0.0)
     return tuple(warnings)

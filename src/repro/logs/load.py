@@ -82,10 +82,10 @@ def read_log(source: str | Source, arm: str | Path | Arm | None = None) -> Log:
     with np.errstate(over="ignore"):  # numbers beyond double precision are refused below
         log = to_eq1(raw, arm)
     log = log if arm.torque_limit is None else replace(log, torque_limit=np.array(arm.torque_limit))
-    _check_signals(log, place)
     passive = [joint for joint, tau in enumerate(log.tau, 1) if not tau.any()]
     said = (f"the torque of joint {joint} is zero throughout: read as a joint without a drive" for joint in passive)
     log = replace(log, notes=(*log.notes, *said))
+    _check_signals(log, place)
     segments(log)  # refuses a log that is all gaps
     return log
 

@@ -30,18 +30,18 @@ _OTHER_FORMATS = {
 }
 
 
-def check_text(path: Path) -> int:
-    """Count the lines of a file; refuse one that is missing, empty, too large, no UTF-8 text, or has no line ends."""
+def check_text(path: Path) -> None:
+    """Refuse a file that is missing, empty, too large, no UTF-8 text, or has no line ends."""
     try:
         if not check_size(path, MAX_FILE_BYTES, EXPECTED):
             raise InputError.at(str(path), "an empty file", EXPECTED)
         with path.open("rb") as file:
-            return _check_blocks(str(path), iter(partial(file.read, MAX_LINE_BYTES), b""))
+            _check_blocks(str(path), iter(partial(file.read, MAX_LINE_BYTES), b""))
     except OSError as error:
         raise InputError.at(str(path), failure(error), EXPECTED) from error
 
 
-def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
+def _check_blocks(name: str, blocks: Iterable[bytes]) -> None:
     decoder, offset, lines, incomplete = codecs.getincrementaldecoder("utf-8")(), 0, 1, b""
     for block in chain(blocks, [b""]):
         for beginnings, (found, expected) in _OTHER_FORMATS.items():
@@ -59,4 +59,3 @@ def _check_blocks(name: str, blocks: Iterable[bytes]) -> int:
         if len(block) == MAX_LINE_BYTES and b"\n" not in block and b"\r" not in block:
             raise InputError.at(f"{name}: line {lines}", f"{MAX_LINE_BYTES} bytes without a line end", EXPECTED)
         incomplete, offset, lines = decoder.getstate()[0], offset + len(block), lines + block.count(b"\n")
-    return lines

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from repro.errors import InputError, shown
 from repro.logs.columns import SPELLINGS, unit_named
 from repro.logs.instants import seconds_of
+from repro.logs.plain_numbers import plain_numbers
 from repro.logs.plain_text import EXPECTED, check_text
 from repro.model.parameters import Array
 
-MAX_ROWS, MAX_COLUMNS = 1_000_000, 1000  # most rows and columns of a log
+MAX_COLUMNS = 1000  # most columns of a log
 _MAX_COMMENT_LINES = 1000  # most lines of comments before the header
 _LINES_PER_BLOCK = 2_000  # lines that are read at a time
 COMMENTS = ("#", "%")  # what lines of comments begin with
@@ -41,6 +42,8 @@ class Table:
     header: tuple[str, ...]
     blocks: Callable[[], Iterable[Rows]]  # gives the rows, some at a time
     notes: tuple[str, ...] = ()  # how it was read, where not as usual
+    #: Gives columns (k, N) at once with the line of each row; None if the cells must be read one by one.
+    at_once: Callable[[Sequence[int]], tuple[Array, NDArray[np.int64]] | None] = lambda _: None
 
     def numbers(
         self, columns: Sequence[int], time: int | None = None
@@ -49,14 +52,13 @@ class Table:
 
         The one at the place `time` may have dates and clock times, which are read as seconds.
         """
+        if plain := self.at_once(columns):
+            return *plain, ()
         readers = [_Column(f"column {self.header[index]}", k == time) for k, index in enumerate(columns)]
         lines: list[int] = []
         for rows in self.blocks():
             numbers = [line for line, _ in rows]
             lines += numbers
-            if len(lines) > MAX_ROWS:
-                expected = f"at most {MAX_ROWS}: cut the log, or record at a lower rate (100 Hz is enough)"
-                raise InputError.at(self.file, f"more than {MAX_ROWS} rows", expected)
             for column, index in zip(readers, columns, strict=True):
                 column.add(numbers, [cells[index] for _, cells in rows])
         self._check(readers)
@@ -123,9 +125,7 @@ class _Column:
 
 def read_table(path: Path) -> Table:
     """Read the header of a CSV file, perhaps in a comment, and check its first rows; `Table.numbers` reads the rest."""
-    size = check_text(path)
-    if size > 2 * MAX_ROWS + _MAX_COMMENT_LINES:  # half of the lines may be blank
-        raise InputError.at(str(path), f"{size} lines", f"at most {2 * MAX_ROWS}, half of them blank")
+    check_text(path)
     head = _head(path)
     (place, header), (begin, row) = head.header, head.row
     separator = _separator(f"{path}: line {place}", header, row)
@@ -144,7 +144,8 @@ def read_table(path: Path) -> Table:
             f"{name.strip()} [{unit}]" if unit.strip("-") else name for name, unit in zip(cells, units, strict=True)
         ]
         notes += ("the line below the header states units",)
-    return Table(str(path), _names(str(path), cells), blocks, notes)
+    at_once = partial(plain_numbers, path, begin, separator, len(cells))
+    return Table(str(path), _names(str(path), cells), blocks, notes, at_once)
 
 
 def _names(file: str, header: Sequence[object]) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from repro.identification.filtering import MAX_CONTAMINATION
-from repro.identification.log import Log, period
+from repro.identification.log import Log, cached_per_log, period
 from repro.logs.conventions import fit_joints, low_pass, smoothed
 from repro.model.dynamics import regressor
 from repro.model.parameters import Array
@@ -43,6 +43,7 @@ def quantisation_step(x: Array) -> float | None:
     return step if float((apart < 0.1).mean()) > 0.9 else None
 
 
+@cached_per_log
 def saturated(log: Log) -> NDArray[np.bool_]:
     """Find the samples (2, N) whose torque is at its limit, or at an extreme value at which it accumulates."""
     if log.torque_limit is not None:
