@@ -16,12 +16,16 @@ from repro.model.parameters import Array
 
 MAX_SAMPLES = 100_000  # most samples of a log that keeps its rate
 MIN_RATE_HZ = 10.0 * MAX_CUTOFF_HZ  # lowest rate that limits no cut-off
+ENOUGH_HZ = 2.0 * MIN_RATE_HZ  # rate that does not limit that of every other sample either
 
 
 def decimated(log: Log) -> Log:
     """Replace blocks of samples of an evenly sampled long log by their means, with a note; others stay as they are."""
+    if log.t.size <= MAX_SAMPLES:
+        return log
     rate = 1.0 / period(log)
-    block = min(-(-log.t.size // MAX_SAMPLES), int(rate / MIN_RATE_HZ * (1.0 + 1e-9)))
+    few, fewest = (int(rate / hertz * (1.0 + 1e-9)) for hertz in (ENOUGH_HZ, MIN_RATE_HZ))
+    block = min(max(-(-log.t.size // MAX_SAMPLES), few), fewest)
     if block < 2:
         return log
     note = f"means of {block} samples are fitted ({rate / block:.4g} Hz instead of {rate:.4g} Hz), as the log is long"

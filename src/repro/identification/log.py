@@ -158,6 +158,7 @@ MIN_RANGE_RAD = 0.02  # range of positions below which a joint does not move
 HALF_SPAN = 0.02  # half the time that a difference spans, s
 
 
+@cached_per_log
 def period(log: Log) -> float:
     """Typical time from one sample to the next, s."""
     return float(np.median(np.diff(log.t)))
