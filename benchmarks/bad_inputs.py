@@ -15,8 +15,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 ROOT = Path(__file__).resolve().parents[1]
 CAPTURE = ROOT / "data" / "captures" / "T1.bin"
 CONFIG = ROOT / "config" / "config.yaml"
@@ -30,18 +28,6 @@ class Case:
     name: str
     arguments: tuple[object, ...]
     make: Callable[[], object] = lambda: None
-
-
-def log(path: Path, rows: int, rate: float = 1000.0) -> None:
-    """A log of five columns."""
-    rng = np.random.default_rng(1)
-    with path.open("w", encoding="ascii") as file:
-        file.write("time,q1,q2,tau1,tau2\n")
-        for begin in range(0, rows, 100_000):
-            t = np.arange(begin, min(rows, begin + 100_000)) / rate
-            q = 0.8 * np.sin(1.3 * t), 0.6 * np.sin(2.1 * t + 0.4)
-            tau = (2.0 * np.sin(x) + 0.1 * rng.normal(size=t.size) for x in q)
-            np.savetxt(file, np.stack([t, *q, *tau], axis=1), fmt="%.6f", delimiter=",")
 
 
 def cases(folder: Path) -> Iterator[Case]:
@@ -75,7 +61,6 @@ def cases(folder: Path) -> Iterator[Case]:
     yield Case("one line of 300 MB", identify, lambda: repeat(file, "time,q1\n", "1" * 1000, 300_000))
     row = "0.1,0.2,0.3\n"
     yield Case("10 million rows without torque", identify, lambda: repeat(file, "time,q1,q2\n", row, 10**7))
-    yield Case("10 million rows", identify, lambda: log(file, 10**7))
     yield Case("1 million rows that stand still", identify, lambda: still(file, 10**6))
 
 

@@ -30,9 +30,9 @@ from repro.model.dynamics import inverse_dynamics
 BETA = np.array([0.13, 0.067, 0.026, 3.4, 1.1, 0.05, 0.02, 0.2, 0.15])
 
 
-def made_up(path: Path, seconds: float = 75.0) -> Path:
-    """A log at 400 Hz with an encoder step of 0.4 mrad and torque noise."""
-    t = np.arange(0.0, seconds, 1.0 / 400.0)
+def made_up(path: Path, seconds: float = 75.0, rate: float = 400.0) -> Path:
+    """A log with an encoder step of 0.4 mrad and torque noise."""
+    t = np.arange(round(seconds * rate)) / rate
     rng = np.random.default_rng(1)
     q = np.zeros((2, t.size))
     dq, ddq = np.zeros_like(q), np.zeros_like(q)

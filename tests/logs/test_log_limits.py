@@ -43,7 +43,7 @@ def file(tmp_path):
 @pytest.mark.parametrize("size", [1, 7, 64])
 def test_blocks_change_nothing(file, monkeypatch, size, old, new):
     content = text(GOOD).replace(",", ";" if new == "0," else ",").replace(old or "\0", new)
-    path = file(f"# a comment\n\n{content}")
+    path = file(f"# a comment\n\n{content} \n")  # the blank keeps the table from being read at once
 
     def read():
         try:
@@ -58,9 +58,7 @@ def test_blocks_change_nothing(file, monkeypatch, size, old, new):
     assert read() == whole
 
 
-def test_too_many_rows_are_refused_and_a_file_too_large_unread(file, monkeypatch):
-    monkeypatch.setattr(table, "MAX_ROWS", 599)
-    assert "599" in refusal(file(text(GOOD))).found
+def test_a_file_too_large_is_refused_unread(file):
     path = file("time,q1\n")
     os.truncate(path, plain_text.MAX_FILE_BYTES + 1)  # takes no room on the disk
     error = refusal(path)

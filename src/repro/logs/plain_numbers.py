@@ -28,14 +28,13 @@ def plain_numbers(
     pattern = separator.encode() * (width - 1) + b"\n"
     if b"\r" in above or rows.translate(None, _NUMBERS) != pattern * rows.count(b"\n"):
         return None
-    try:
+    try:  # pandas gives the same bits as `float`
         frame = pd.read_csv(
             BytesIO(rows),
             sep=separator,
             header=None,
             usecols=sorted(set(columns)),
             dtype=np.float64,
-            float_precision="round_trip",  # the same bits as `float`
             na_values=[""],
             keep_default_na=False,
             skip_blank_lines=False,
