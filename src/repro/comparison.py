@@ -161,6 +161,11 @@ class Difference:
         return self.size > self.allowed
 
     @property
+    def judged(self) -> bool:
+        """Whether a limit is known."""
+        return not math.isnan(self.allowed)
+
+    @property
     def rank(self) -> tuple[float, float]:
         """Size in units of what is allowed, small where nothing was measured; then the size itself."""
         return self.size / self.allowed if self.allowed > 0 else math.inf if self.broken else 0.0, self.size
@@ -237,6 +242,11 @@ class Compared:
         """Whether a class is broken."""
         return any(each.broken for each in self.found)
 
+    @property
+    def judged(self) -> bool:
+        """Whether a limit is known for each cell that differs."""
+        return all(each.judged for each in self.found)
+
 
 def compare_runs(a: Path, b: Path, tolerances: Tolerances) -> tuple[list[Compared], tuple[list[str], list[str]]]:
     """Compare every table and recording that both folders have; name those that only the first or the second has."""
@@ -287,15 +297,22 @@ def report(compared: Sequence[Compared], alone: Sequence[Sequence[str]], toleran
         own = [(d.rank, f"{each.name}: {_describe(d)}") for each in compared for d in each.largest() if d.kind is kind]
         alike = " (as computed: both hosts make the same bits)" if kind in tolerances.reproducible else ""
         lines.append(f"largest {kind}{alike}: {max(own, key=lambda entry: entry[0])[1] if own else 'none differs'}")
-    unjudged = {each.name: sum(math.isnan(d.allowed) for d in each.found) for each in compared}
-    if names := [name for name, count in unjudged.items() if count]:
-        lines.append(f"not judged, as their spread is not known: {sum(unjudged.values())} cells of {', '.join(names)}")
+    if names := [each.name for each in compared if not each.judged]:
+        lines.append(f"not judged, as no limit is known: cells of {', '.join(names)}")
     broken = [each.name for each in compared if each.broken]
     lines.append(f"broken: {', '.join(broken)}" if broken else "no class is broken")
-    return lines
+    return [*lines, _counts([d for each in compared for d in each.found])]
+
+
+def _counts(found: Sequence[Difference]) -> str:
+    beyond, unknown = sum(d.broken for d in found), sum(not d.judged for d in found)
+    if not found:
+        return "no cell differs"
+    within = len(found) - beyond - unknown
+    return f"cells that differ: {within} as much as is allowed or less, {beyond} more, {unknown} not judged"
 
 
 def _describe(d: Difference) -> str:
-    allowed = "its spread is not known" if math.isnan(d.allowed) else f"{d.allowed:.2g} allowed"
-    by = "" if d.kind is Kind.EXACT else f", by {d.size:.2g}"
+    allowed = f"{d.allowed:.2g} allowed" if d.judged else "not judged"
+    by = f", by {d.size:.2g}" if d.kind is not Kind.EXACT and math.isfinite(d.size) else ""
     return f"{d.kind}: {d.place}: {d.a or 'nothing'} and {d.b or 'nothing'}{by} ({allowed})"

@@ -120,8 +120,19 @@ def test_of_a_number_whose_scatter_is_not_known_a_difference_is_named_but_not_ju
         run_of(folder, ROWS)
         (folder / "coverage").mkdir()
         (folder / "coverage/other.csv").write_text(pd.DataFrame(rows).to_csv(index=False))
-    assert main(["compare", str(a), str(b)]) == 0
-    assert "not judged, as their spread is not known: 1 cells of coverage/other.csv" in capsys.readouterr().out
+    runs = ["compare", str(a), str(b)]
+    assert main(runs) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert "not judged, as no limit is known: cells of coverage/other.csv" in out
+    assert out[-1].endswith(" 0 more, 1 not judged")
+    assert main([*runs, "--strict"]) == 3
+    (b / "tables/table10.csv").write_text(pd.DataFrame(changed(1, "total", "0.96")).to_csv(index=False))
+    assert main([*runs, "--strict"]) == 1  # what is more than is allowed comes first
+    assert capsys.readouterr().out.splitlines()[-1].endswith(" 0 as much as is allowed or less, 1 more, 1 not judged")
+    (b / "tables/table10.csv").write_text(pd.DataFrame(changed(1, "total", "0.9700000001")).to_csv(index=False))
+    (b / "coverage/other.csv").unlink()
+    assert main([*runs, "--strict"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1].endswith(" 1 as much as is allowed or less, 0 more, 0 not judged")
 
 
 HOST = {"dot": "1", "torch matmul": "2"}

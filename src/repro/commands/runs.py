@@ -90,6 +90,8 @@ def compare_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of ``repro compare``."""
     parser.add_argument("first", type=Path, help="results folder, for example docs/reference")
     parser.add_argument("second", type=Path, help="another one, for example results")
+    help_strict = "exit code 3 if a cell differs for which no limit is known"
+    parser.add_argument("--strict", action="store_true", help=help_strict)
 
 
 def compare(arguments: argparse.Namespace) -> int:
@@ -105,4 +107,6 @@ def compare(arguments: argparse.Namespace) -> int:
     compared, alone = compare_runs(*runs, allowed)
     for line in report(compared, alone, allowed):
         print(shown(line))
-    return int(any(each.broken for each in compared))
+    if any(each.broken for each in compared):
+        return 1
+    return 3 if arguments.strict and not all(each.judged for each in compared) else 0
