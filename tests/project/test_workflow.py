@@ -7,6 +7,8 @@ import io
 import os
 import re
 import runpy
+import subprocess
+import sys
 from collections import Counter
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib import import_module
@@ -212,6 +214,15 @@ def test_a_bad_configuration_ends_the_run_with_one_line(tmp_path):
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.
 STAGES = {"prepare": 0, "train": 1, "identify": 2, "evaluate": 3}
+
+
+def test_a_dry_run_needs_no_home(tmp_path):
+    folder = project(tmp_path)
+    command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--dry-run", "table01"]
+    environment = os.environ | {"HOME": "/proc", "XDG_CACHE_HOME": "/proc/cache"}  # where not even root can write
+    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert "draw_schematics_diagrams" in run.stdout + run.stderr
 
 
 def test_what_shares_a_job_of_the_cluster_can_run_in_one(full, working):
