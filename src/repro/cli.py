@@ -9,12 +9,12 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
-from typing import NoReturn
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from typing import Any, NoReturn, TextIO, cast
 
 from repro import __version__, contract
 from repro.commands import boards, excite, identify, runs
-from repro.errors import InputError, end_by_exception, failure, one_of
+from repro.errors import InputError, end_by_exception, failure, one_of, shown
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
 _UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
@@ -61,12 +61,34 @@ def _check(arguments: Sequence[str]) -> None:
             raise InputError.at(f"argument {text[:80]!r}", repr(found[0]), "text without control characters, in UTF-8")
     if sys.stdout is None:
         raise InputError.at("standard output", "a closed one", "one that can be written to")
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # a name need not fit the encoding of the terminal
+
+
+class _Terminal:
+    """A stream that escapes what a terminal would obey: names and cells come from files of others."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a name need not fit the encoding of the terminal
+
+    def write(self, text: str) -> int:
+        return self._stream.write("\n".join(map(shown, text.split("\n"))))
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        return getattr(self._stream, name)
+
+
+def _terminal(stream: TextIO | None) -> TextIO | None:
+    return cast("TextIO", _Terminal(stream)) if stream else None
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a subcommand."""
+    with redirect_stdout(_terminal(sys.stdout)), redirect_stderr(_terminal(sys.stderr)):
+        return _run(argv)
+
+
+def _run(argv: Sequence[str] | None) -> int:
     try:
         argv = sys.argv[1:] if argv is None else argv
         _check(argv)

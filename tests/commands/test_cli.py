@@ -113,6 +113,21 @@ def test_names_that_no_file_can_have(tmp_path, refused, name):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("text", ["\x9b2J", "\u202efdp", "\u2028line", "\x85next"])
+def test_what_a_terminal_would_obey_is_escaped_in_all_that_is_printed(tmp_path, capsys, text):
+    folder = tmp_path / text
+    folder.mkdir()
+    (folder / "my.yaml").write_text("{}")
+    assert main(["check", "--config", str(CONFIG), str(folder / "my.yaml")]) == 0
+    assert main(["decode", str(CAPTURE), "-o", str(folder / "T4.csv")]) == 0
+    with pytest.raises(SystemExit):
+        main([text])
+    out, err = capsys.readouterr()
+    assert ascii(text)[1:-1] in out and ascii(text)[1:-1] in err.replace("\\\\", "\\")
+    assert all(line.isprintable() for line in (out + err).split("\n"))
+    assert (folder / "T4.csv").read_text().startswith("time_s,")
+
+
 def test_what_is_no_file_is_refused_by_every_command(tmp_path, refused):
     pipe, out = tmp_path / "pipe.csv", tmp_path / "out"
     os.mkfifo(pipe)

@@ -99,6 +99,17 @@ def test_the_arm_file_names_joints_of_any_name_and_one_of_two_topics(tmp_path):
     assert_same(read_log(path, Arm(topic="/b")), GOOD)
 
 
+@pytest.mark.parametrize("text", ["\x1b[31m", "a\r\nb", "\x9b2J", "\u202e"])
+def test_names_in_a_bag_reach_no_page_as_they_are(tmp_path, text):
+    names = {"q1": f"a{text}.position", "q2": "b.position", "tau1": f"a{text}.effort", "tau2": "b.effort"}
+    folder = write(tmp_path / "arm", {f"/{text}": states(names=(f"a{text}", "b"))}, "SQLITE3")
+    assert str(refusal(folder)).isprintable()
+    log = read_log(folder, Arm(columns={signal: ascii(name)[1:-1] for signal, name in names.items()}))
+    np.testing.assert_array_equal(log.q, GOOD.q)
+    assert all(note.isprintable() for note in log.notes)
+    assert any(ascii(text)[1:-1] in note for note in log.notes)
+
+
 def test_bags_that_cannot_be_read(tmp_path, monkeypatch):
     assert refusal(tmp_path / "none.mcap").place == str(tmp_path / "none.mcap")
     assert refusal(write(tmp_path / "empty", {})).found == "none"

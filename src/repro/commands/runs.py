@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from repro.commands.options import DEFAULT_CONFIG, add_config
-from repro.errors import InputError, shown
+from repro.errors import InputError
 
 
 def check_arguments(parser: argparse.ArgumentParser) -> None:
@@ -77,9 +77,9 @@ def verify(arguments: argparse.Namespace) -> int:
     problems += [*changed_settings(results, read_config(*files), root), *changed_files(results, root)]
     print(compare_hosts(recorded_fingerprint(results)))
     for line in summary(claims) if claims is not None else []:
-        print(shown(line))
+        print(line)
     for problem in problems:
-        print(shown(f"disagrees: {problem}"))
+        print(f"disagrees: {problem}")
     if claims is None or problems:
         print(f"{len(problems)} disagreements between {results} and its sources")
         return 1
@@ -106,7 +106,7 @@ def compare(arguments: argparse.Namespace) -> int:
     allowed = replace(tolerances(), reproducible=reproducible(*map(recorded_fingerprint, runs)))
     compared, alone = compare_runs(*runs, allowed)
     for line in report(compared, alone, allowed):
-        print(shown(line))
+        print(line)
     if any(each.broken for each in compared):
         return 1
     return 3 if arguments.strict and not all(each.judged for each in compared) else 0

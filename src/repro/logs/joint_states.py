@@ -111,7 +111,7 @@ class _Rows:
             raise InputError.at(self.place, "no messages", "joint states")
         if n * len(self.columns) > _MAX_VALUES:
             raise InputError.at(self.place, f"{n * len(self.columns)} numbers", f"at most {_MAX_VALUES}")
-        notes, stamps = [f"{n} messages of {topic}, counted as lines"], self.stamps
+        notes, stamps = [f"{n} messages of {shown(topic)}, counted as lines"], self.stamps
         if not any(stamps):
             notes.append("the messages have no stamps; the times at which they were received are taken")
             stamps = self.received
