@@ -110,6 +110,26 @@ def test_names_in_a_bag_reach_no_page_as_they_are(tmp_path, text):
     assert any(ascii(text)[1:-1] in note for note in log.notes)
 
 
+def test_a_bag_that_names_a_file_many_times_is_refused(tmp_path):
+    folder = write(tmp_path / "arm", {"/joint_states": states()}, "SQLITE3")
+    metadata = folder / "metadata.yaml"
+    lines = metadata.read_text().splitlines()
+    place = lines.index("  relative_file_paths:") + 1
+    metadata.write_text("\n".join([*lines[:place], *lines[place : place + 1] * 9, *lines[place + 1 :]]))
+    error = refusal(folder)
+    assert (error.place, error.found) == (f"{metadata}: relative_file_paths", "9 files")
+
+
+def test_metadata_that_take_long_to_read_end_in_time(tmp_path):
+    folder = write(tmp_path / "arm", {"/joint_states": states()})
+    with (folder / "metadata.yaml").open("a") as file:
+        file.writelines(f"k{number}: [1, 2, 3]\n" for number in range(300_000))
+    run = subprocess.run([sys.executable, "-c", MEASURED, folder], capture_output=True, text=True, check=True)
+    found, _, seconds = run.stdout.splitlines()
+    assert found == "contents that take too long to read"
+    assert float(seconds) < 10
+
+
 def test_bags_that_cannot_be_read(tmp_path, monkeypatch):
     assert refusal(tmp_path / "none.mcap").place == str(tmp_path / "none.mcap")
     assert refusal(write(tmp_path / "empty", {})).found == "none"
@@ -181,7 +201,9 @@ try:
     read_bag(Path(sys.argv[1]), None)
 except InputError as error:
     print(error.found)
-print(getrusage(RUSAGE_CHILDREN).ru_maxrss)
+used = getrusage(RUSAGE_CHILDREN)
+print(used.ru_maxrss)
+print(used.ru_utime + used.ru_stime)
 """
 
 
@@ -203,6 +225,6 @@ def test_a_small_file_that_unpacks_to_gigabytes_is_refused(tmp_path, form):
     run = subprocess.run(
         [sys.executable, "-c", MEASURED, tmp_path / "small.mcap"], capture_output=True, text=True, check=True
     )
-    found, kibibytes = run.stdout.splitlines()
+    found, kibibytes, _ = run.stdout.splitlines()
     assert found == "contents that unpack to more than is read"
     assert int(kibibytes) < 1 << 20
