@@ -158,6 +158,10 @@ TAMPERINGS = {
     "the workflow": ("results/workflow/rules/x.smk", "x", "SHA-256: found"),
     "a missing table": ("results/tables/table10.csv", None, "found no file"),
     "a table more": ("results/tables/table11.csv", "x", "found a file"),
+    "a missing figure": ("paper_figures/t.png", None, "found no file"),
+    "a figure more": ("paper_figures/u.png", "x", "found a file"),
+    "a folder more": ("results/new/further/table.csv", "x", "found a file"),
+    "what a claim costs": ("results/logs/costs.csv", "x", "SHA-256: found"),
     "a file more": ("results/verified.txt", "x", "found a file"),
     "the record": ("results/ro-crate-metadata.json", "{}", "SHA-256: found"),
     "the seal": ("results/ro-crate-metadata.sha256", "0", "SHA-256: found"),
@@ -166,8 +170,10 @@ TAMPERINGS = {
 
 @pytest.mark.parametrize(("file", "text", "said"), TAMPERINGS.values(), ids=TAMPERINGS)
 def test_each_change_of_a_finished_run_is_named(file, text, said):
+    write_costs(RESULTS, recorded_jobs(RESULTS))
     record()
     write("results/logs/table10.log", "a log is no result")
+    write("paper_figures/README.md", "of the project")
     assert changed_files(RESULTS, Path()) == []
     if text is None:
         Path(file).unlink()
@@ -181,4 +187,6 @@ def test_a_run_without_a_record_and_another_one_within_it_are_left_alone():
     assert changed_files(RESULTS, Path()) == []
     record()
     write("results/quick/claims.csv", "another run")
+    write("results/killed/logs/train.log", "a run that was killed")
+    write("results/killed/model/training.csv", "step\n")
     assert changed_files(RESULTS, Path()) == []

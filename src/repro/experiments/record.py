@@ -77,6 +77,8 @@ def _config_of(name: str, root: Path) -> dict[str, Any] | None:
     return {} if git(root, "rev-parse", "--is-shallow-repository") == "false" else None
 
 
+#: What each claim costs, in a folder of results.
+COSTS = "logs/costs.csv"
 #: What is taken from a benchmark, and its unit: wall time, time of the processor as far as seen, largest resident set.
 UNITS = {"s": "s", "cpu_time": "s", "max_rss": "MiB"}
 
@@ -127,7 +129,7 @@ def write_costs(results: Path, jobs: Mapping[str, Job]) -> None:
         costs = {target: _cost(jobs, target) for target in ledger["target"].unique()}
         columns = ["jobs", "minutes", "cpu_minutes", "memory_mib", "disk_mb"]
         rows = pd.DataFrame([costs[target] for target in ledger["target"]], columns=columns)
-        write_csv(results / "logs/costs.csv", ledger.join(rows))
+        write_csv(results / COSTS, ledger.join(rows))
 
 
 def _cost(jobs: Mapping[str, Job], target: str) -> tuple[float, ...]:
@@ -191,8 +193,9 @@ def write_crate(results: Path, workflow: Path, configs: Iterable[Path], jobs: Ma
 def changed_files(results: Path, root: Path) -> list[str]:
     """List files of a run that are not as its record has them: changed, missing, or next to its own without being its.
 
-    Of the files of the project that the run read, those that are still there. Whoever changes a file and writes record
-    and seal again is not seen: only another run of the same commit shows that.
+    Of the files of the project that the run read, those that are still there, and of the figures, if their folder is.
+    Logs and benchmarks of jobs are no results. Whoever changes a file and writes record and seal again is not seen:
+    only another run of the same commit shows that.
     """
     record, seal = results / RECORD, results / SEAL
     if not record.exists():
@@ -200,22 +203,44 @@ def changed_files(results: Path, root: Path) -> list[str]:
     found = seal.read_text(encoding="utf-8", errors="replace").split(" ")[0] if seal.exists() else "no such file"
     problems = [] if found == _digest(record) else [f"{record}: SHA-256: found {_digest(record)}, {seal} has {found}"]
     content: Any = read_json(record, LARGEST_RECORD)
-    graph = content.get("@graph", []) if isinstance(content, dict) else []
-    listed = {str(each["@id"]): str(each["sha256"]) for each in graph if isinstance(each, dict) and "sha256" in each}
+    graph = content.get("@graph") if isinstance(content, dict) else None
+    entities = _by_id(graph)
+    made = _by_id(entities.get("#run", {}).get("result")).keys()
     own = set()
-    for key, digest in listed.items():
-        ours = not key.startswith((OF_THE_PROJECT, "file:"))
-        path = results / unquote(key) if ours else root / unquote(key.removeprefix(OF_THE_PROJECT))
+    for key, entity in entities.items():
+        if "sha256" not in entity:
+            continue
+        within = not key.startswith((OF_THE_PROJECT, "file:"))
+        path = results / unquote(key) if within else root / unquote(key.removeprefix(OF_THE_PROJECT))
+        ours = within or (key in made and path.parent.is_dir())
         own |= {path} if ours else set()
         now = _digest(path) if path.is_file() else ""
-        if now and now != digest:
-            problems.append(f"{path}: SHA-256: found {now}, {record} has {digest}")
+        if now and now != entity["sha256"]:
+            problems.append(f"{path}: SHA-256: found {now}, {record} has {entity['sha256']}")
         elif ours and not now:
             problems.append(f"{path}: found no file, {record} has one")
-    folders = {path.parent for path in own} - {results / "logs"}
-    there = {path for folder in folders | {results} for path in folder.glob("*") if path.is_file()}
-    unknown = there - own - {record, seal, results / "README.md"}
+    figures = {path.parent for path in own if not path.is_relative_to(results)}
+    there = {path for folder in figures for path in folder.glob("*") if path.is_file() and path.name != "README.md"}
+    unknown = (there | _files_of_run(results)) - own - {record, seal}
     return sorted(problems) + [f"{path}: found a file, {record} has none" for path in sorted(unknown)]
+
+
+def _by_id(entities: object) -> dict[str, Entity]:
+    listed = entities if isinstance(entities, list) else []
+    return {str(each["@id"]): each for each in listed if isinstance(each, dict) and "@id" in each}
+
+
+def _files_of_run(results: Path) -> set[Path]:
+    """Files in a folder of results but logs, benchmarks and those of other runs, which have folders of their own."""
+    others = {
+        folder for folder in results.iterdir() if any((folder / name).exists() for name in ("logs", "claims.csv"))
+    }
+    left_out = {results / "logs", results / "benchmarks", *others}
+    return {
+        path
+        for path in results.rglob("*")
+        if path.is_file() and left_out.isdisjoint(path.parents) and path != results / "README.md"
+    }
 
 
 def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) -> list[Entity]:
@@ -225,7 +250,8 @@ def _graph(results: Path, snakefile: Path, configs: set[Path], jobs: list[Job]) 
     produced = {path for job in jobs for path in job.outputs}
     given = {path for job in jobs for path in job.inputs} - produced | configs
     copied = set(filter(Path.is_file, snakefile.parent.rglob("*")))
-    files = {path: _file(path, results) for path in sorted(produced | given | copied | {sidecar})}
+    described = {sidecar, *filter(Path.exists, [results / COSTS])}
+    files = {path: _file(path, results) for path in sorted(produced | given | copied | described)}
     programs = [_entity(f"#package-{name}", "SoftwareApplication", name, version=v) for name, v in packages.items()]
     rules = [_entity(f"#rule-{rule}", "SoftwareApplication", rule, version=commit) for rule in {j.rule for j in jobs}]
     files[snakefile] |= {"@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"], "version": commit}
