@@ -1,7 +1,7 @@
 """Bring a long log to a lower rate, so that its cost grows with its length and not with its rate.
 
 Samples are means of separate blocks. White noise of the recorded samples stays white, so that even and odd samples
-have independent noise, on which consistent least squares depends; a longer filter would correlate them. A mean
+have independent noise, on which instrumental variables depend. A longer filter would correlate them. A mean
 attenuates what would be aliased to less than 10 Hz by a factor of 9 at 100 Hz, and shifts no phase.
 """
 
