@@ -86,10 +86,10 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# All intervals contain the true values now, and I1, I3, g1 and g2 are within 8 % of them. The intervals are wide: the
-# tool takes the friction of joint 2, which grows with its torque, for a wrong torque constant, and warns. A log cannot
-# determine which joint's constant is wrong, so the intervals allow for both
-# ([intervals](../../explanation/methods-and-intervals.md#intervals)). The residual shows the ripple:
+# All intervals contain the true values now, and I1, I3, g1 and g2 are within 12 % of them. The tool finds the friction
+# of joint 2 that grows with its torque, and subtracts it. Of this arm, friction is in proportion to the torque of the
+# drive; the subtracted one is in proportion to the load behind the gear. The difference remains, and a rotor that the arm
+# does not have explains some of it. The intervals allow for what remains. The residual shows the ripple:
 
 # %%
 fast.plot(log=0)
@@ -97,8 +97,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The torque error of joint 1 on T2 is not smaller, because the k1 of ID
-# contains some of the further friction, which T2 has, too:
+# The parameters are nearer to the truth. The torque errors on T2 are not smaller, because the friction of ID contains
+# some of the further friction, which T2 has, too:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():
