@@ -29,7 +29,7 @@ from repro.model.dynamics import forward_dynamics
 SIGNATURES = {
     "identify": "log, validate, arm, method, filter, cutoff, friction, prior, earlier, self_test, seed, steps, cache",
     "Identification": "details, method, _curves, _arm, _inputs, _load",
-    "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks, left_out",
+    "Log": "t, q, tau, dq, name, notes, simulated, torque_limit, breaks, left_out, block",
     "read_log": "source, arm",
     "read_arm": "path",
     "excite": "arm, duration, rate, harmonics, noise, guess, seed",

@@ -90,7 +90,7 @@ def test_intervals_are_doubted_from_their_limits_on(monkeypatch, left, by_fricti
     monkeypatch.setattr(prepare, "unexplained", lambda _, subset=None: shares[subset is None].copy())
     monkeypatch.setattr(prepare, "saturated", {"recorded": np.arange(1000) < 1000.0 * np.array(at_limit)[:, None]}.get)
     monkeypatch.setattr(prepare, "smoothed", lambda _: Mock(noisy_joints=list))
-    found = prepare._interval_doubt(Mock(recorded="recorded", settings=Mock(delay=delay)), ARM)
+    found = prepare._interval_doubt(Mock(loaded=Mock(recorded="recorded"), settings=Mock(delay=delay)), ARM)
     assert why in found and bool(found) == bool(why)
 
 
