@@ -17,7 +17,7 @@ from repro.errors import InputError
 from repro.paper import ledger
 from repro.paper.ledger import PUBLISHED_NAME, verify_ledger
 
-FOLDERS = ("docs/reference", "data")
+FOLDERS = ("docs/reference", "docs/gallery", "data")
 Edit = Callable[[random.Random, Path], Path | None]
 
 

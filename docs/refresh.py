@@ -116,7 +116,7 @@ def refresh_board() -> None:
 def refresh_ledger() -> None:
     """Compute the ledger of the reference, and the check sums of everything that is kept."""
     config = load_config(CONFIG)
-    write_ledger(REFERENCE, config, [], folders=[REFERENCE, Path("data")])
+    write_ledger(REFERENCE, config, [], folders=[REFERENCE, GALLERY, Path("data")])
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ def problems_of(root):
         return [str(error)]
 
 
-def test_every_file_of_reference_and_data_is_listed(tampering):
+def test_every_file_of_reference_gallery_and_data_is_listed(tampering):
     folders, listed = read_sources(Path("docs/reference") / SOURCES)
     assert folders == sorted(tampering.FOLDERS)
     kept = {path.as_posix() for name in folders for path in Path(name).rglob("*") if path.is_file()}
