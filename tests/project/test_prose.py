@@ -101,6 +101,9 @@ MOTION = row("metric_motions", chosen=True)
 GUESSES = pd.read_csv(REFERENCE / "figures/guesses.csv").query("case != 'ID'")
 SIX = 100 * GUESSES.query("of == 'median of those with the largest budget'").set_index("guesses")["total"]
 BY_LEAST_SQUARES = 100 * GUESSES.query("method == 'least-squares' and experiment <= 6")["total"].median()
+#: Logic elements of the design, least and most, and the published number.
+ELEMENTS = table("board_size").query("quantity == 'elements'").set_index("block")
+PUBLISHED_ELEMENTS = ELEMENTS.loc["published", "most"]
 MILLION, DETAILED = 1_000_000, ("algorithm1", "algorithm1+desired", "algorithm1+tracked-measured")
 PLAIN = {
     training: row("factorial_cells", reader="plain", training=training, metric="mean-square")
@@ -150,7 +153,7 @@ PHRASES = [
     ),
     (
         COVERAGE,
-        "rule on negative parameters is better in {} of these {} experiments",
+        "Nonnegative least squares beats plain least squares in {} of these {} experiments",
         [(OVER["bounded"] > OVER["least-squares"]).sum(), len(OVER)],
     ),
     (COVERAGE, "central 50 % range covers {:.0f} to {:.0f} % of the arms", shares("unmodelled", 0.5, "raw")),
@@ -168,8 +171,8 @@ PHRASES = [
     ),
     (
         COVERAGE,
-        "Half widths are {:.2f} to {:.2f} of the largest torque at 95 %. They remove {:.0f} to {:.0f} % of "
-        "the variance of g1, g2, b1 and k2 over the arms, {:.0f} % for b2, {:.0f} % for k1",
+        "At 95 % half widths are {:.2f} to {:.2f} of the largest torque. Intervals remove {:.0f} to {:.0f} % of "
+        "the variance of g1, g2, b1 and k2 over the arms. They remove {:.0f} % for b2, {:.0f} % for k1",
         [
             *(WIDTH["width"].min(), WIDTH["width"].max()),
             *(100 * WIDTH["contraction"][["g1", "g2", "b1", "k2"]].agg(["min", "max"])),
@@ -177,7 +180,7 @@ PHRASES = [
         ],
     ),
     (EXPERIMENT, "printed order of joints {} of {} starts are accepted", HYPOTHESES.loc["index"]),
-    (EXPERIMENT, "With rad/s {} of {} is.", HYPOTHESES.loc["rad_per_s"]),
+    (EXPERIMENT, "are accepted, but only {} of {} with rad/s", HYPOTHESES.loc["rad_per_s"]),
     (EXPERIMENT, "In {} of the {} experiments the b of the appendix", [BACK_EMF[True], BACK_EMF.sum()]),
     (EXPERIMENT, "(100 is the printed c_f) | {:.1f} to {:.0f} |", unknown("t1_bands")),
     (EXPERIMENT, "| amplitude of T4, joint 1, rad | {:.2f} to {:.2f} |", unknown("t4_amplitude1")),
@@ -227,7 +230,7 @@ PHRASES = [
     ),
     (
         "docs/explanation/metric.md",
-        "The log error is {:.3f}, the sixth of 175",
+        "The log error is {:.3f}, the sixth smallest of 175",
         [CHOSEN["frequency"]["rms_log_error_best"]],
     ),
     (
@@ -263,6 +266,15 @@ PHRASES = [
         [TRACED["ours"], TRACED["tolerance"]],
     ),
     (
+        "docs/board.md",
+        "The published {:,.0f} elements are {:,.0f} below our upper bound and {:,.0f} above the lower one",
+        [
+            PUBLISHED_ELEMENTS,
+            ELEMENTS.loc["board", "most"] - PUBLISHED_ELEMENTS,
+            PUBLISHED_ELEMENTS - ELEMENTS.loc["board", "least"],
+        ],
+    ),
+    (
         STUDY,
         "The largest gain is {:.1f} points ({:.1f} to {:.1f})",
         gain(excitation="slow", discrepancy=0.9, prior="narrow", friction=0.5),
@@ -279,6 +291,6 @@ PHRASES = [
 def test_numbers_of_a_sentence_are_those_of_the_tables(page, phrase, numbers):
     text = " ".join((ROOT / page).read_text(encoding="utf-8").split())
     expected = phrase.format(*numbers)
-    found = re.search(re.sub(r"\\\{[^}]*\\\}", r"([-+.\\d]+)", re.escape(phrase)), text)
+    found = re.search(re.sub(r"\\\{[^}]*\\\}", r"([-+.,\\d]+)", re.escape(phrase)), text)
     assert found is not None, f"{page}: no sentence {phrase!r}"
     assert expected in text, f"{page}: found {found[0]!r}, expected {expected!r}"
