@@ -386,12 +386,15 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     """
     regressions = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
     unweighted = joined(regressions)
+    # Without a drive inertia and gravity equal the friction: in proportion to them, 1 would replace b and k.
+    driven = np.any([log.tau.any(axis=1) for log, _ in logs], axis=0)
+    possible = np.array([not name.startswith(LOAD) or driven[int(name[-1]) - 1] for name in TERM_NAMES])
     load = solve(unweighted.y, unweighted.tau)
     for _ in range(LOAD_ITERATIONS):  # friction in proportion to the load biases the parameters that give the load
-        columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
+        columns = [term_columns(TERMS, log, settings, load) * possible for log, settings in logs]
         more = np.concatenate(columns, axis=1) * unweighted.mask[..., np.newaxis]
         load = solve(np.concatenate([unweighted.y, more], axis=-1), unweighted.tau)[:N_NINE]
-    columns = [term_columns(TERMS, log, settings, load) for log, settings in logs]
+    columns = [term_columns(TERMS, log, settings, load) * possible for log, settings in logs]
     weights = [_weight(r, c) for r, c in zip(regressions, columns, strict=True)] if len(logs) > 1 else [1.0]
     r = joined(regressions, weights)
     a, b = weighted_rows(r, np.concatenate([w * c for w, c in zip(weights, columns, strict=True)], axis=1))
