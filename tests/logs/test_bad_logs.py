@@ -66,7 +66,7 @@ def test_the_remedy_of_another_convention_or_delay_helps(tmp_path, suspected):
         after = described(write(tmp_path, content), arm).warnings
         assert not any(w.startswith(better) or "Eq. 1" in w or "velocity" in w for w in after), name
         tried.append(name)
-    assert len(tried) == 19
+    assert len(tried) == 20
 
 
 def moved(torque, x, v, noise):

@@ -81,6 +81,7 @@ CONVENTIONS: Final = (
     Convention("q1 = 0 horizontal", "zero", offset=(_RIGHT, 0.0)),
     Convention("q1 = 0 horizontal", "zero", offset=(-_RIGHT, 0.0)),
     Convention("q2 = 0 folded back", "zero", offset=(0.0, np.pi)),
+    Convention("q1 = 0 upright and q2 = 0 folded back", "zero", offset=(np.pi, np.pi)),
     Convention("q2 = 0 at a right angle", "zero", offset=(0.0, _RIGHT)),
     Convention("q2 = 0 at a right angle", "zero", offset=(0.0, -_RIGHT)),
     *(
@@ -175,8 +176,8 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
         yield "the torque is little more than noise: this log can only test the motion that parameters predict"
         return
     if noisy:
-        reason = "the log hardly determines its load; if the joint was driven, its torque was not recorded"
-        yield f"the torque of joint {noisy[0]} is little more than noise: {reason}"
+        remedy = f"if it has no drive, write into the arm file: passive_joint: {noisy[0]}; else it was not recorded"
+        yield f"the torque of joint {noisy[0]} is little more than noise: {remedy}"
     given = _fit(s, _AS_GIVEN)
     in_force = f"second_joint_absolute: {str(arm.second_joint_absolute).lower()}"
     others = [convention for convention in CONVENTIONS if convention.remedy != in_force]
