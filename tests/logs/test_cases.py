@@ -93,6 +93,71 @@ def test_a_log_that_cannot_be_read_is_told_what_to_do(file, said):
     assert said in refused(read_log, CASES / file, Arm()).expected
 
 
+#: Header and row k of a log at 200 Hz, and what the one line says is expected.
+TIMES = {
+    "whole seconds": ("time,q1,q2,tau1,tau2", lambda k: f"2024-05-30 15:33:{10 + k // 200}", "sampling_rate: 200"),
+    "two digits": ("time,q1,q2,tau1,tau2", lambda k: f"{0.01 * (k // 2):.2f}", "sampling_rate: 200"),
+    "ns": ("time,q1,q2,tau1,tau2", lambda k: f"{5_000_000 * k}", "units: {time: ns}"),
+    "days": ("time,q1,q2,tau1,tau2", lambda k: f"{7394 + 0.005 * k / 86400:.12f}", "units: {time: days}"),
+    "larger arm": (
+        "time,joint2_pos,joint3_pos,joint2_torque,joint3_torque",
+        str,
+        'q1: "joint2_pos", q2: "joint3_pos", tau1: "joint2_torque", tau2: "joint3_torque"',
+    ),
+    "leg": ("t,knee_pos,hip_pos,knee_tau,hip_tau", str, 'q1: "hip_pos", q2: "knee_pos", tau1: "hip_tau"'),
+    "joints from 0": ("t,q_0,q_1,tau_0,tau_1", str, 'q1: "q_0", q2: "q_1", tau1: "tau_0", tau2: "tau_1"'),
+    "a row for each joint": ("time,joint,position,effort,velocity", str, "frame.pivot(index='time', columns='joint')"),
+}
+
+
+@pytest.mark.parametrize(("header", "time", "said"), TIMES.values(), ids=TIMES)
+def test_a_log_whose_columns_or_times_are_unclear_is_told_what_to_write(tmp_path, header, time, said):
+    rows = [f"{time(k)},{np.sin(0.01 * k):.4f},{np.cos(0.013 * k):.4f},{k % 7},{k % 11}" for k in range(2000)]
+    (tmp_path / "log.csv").write_text("\n".join([header, *rows]))
+    assert said in refused(read_log, tmp_path / "log.csv", Arm()).expected
+
+
+#: Columns of a unit, and SI of 1 of it.
+UNITS = {
+    "q1 [mrad]": 1e-3,
+    "tau1 [kNm]": 1e3,
+    "tau1 [kgf cm]": 0.0980665,
+    "tau1 [lbf.in]": 0.1129848,
+    "tau1 (ozin)": 7.0615518e-3,
+}
+
+
+@pytest.mark.parametrize(("header", "size"), UNITS.items())
+def test_units_are_converted(tmp_path, header, size):
+    t = 0.01 * np.arange(400)
+    table = {"time": t, "q1": np.sin(t), "q2": np.sin(1.3 * t), "tau1": np.cos(t), "tau2": np.cos(1.7 * t)}
+    other = header.replace("1", "2", 1)
+    renamed = {header[: header.index(" ")]: header, other[: other.index(" ")]: other}
+    table = {renamed.get(name, name): x / size if name in renamed else x for name, x in table.items()}
+    path = tmp_path / "log.csv"
+    path.write_text(
+        "\n".join([",".join(table), *(",".join(f"{x:.9f}" for x in row) for row in zip(*table.values(), strict=True))])
+    )
+    log = read_log(path, Arm())
+    np.testing.assert_allclose([*log.q, *log.tau], [np.sin(t), np.sin(1.3 * t), np.cos(t), np.cos(1.7 * t)], atol=1e-6)
+
+
+@pytest.mark.parametrize("noise", [np.nan, 0.03])
+def test_a_torque_of_a_joint_without_a_drive_may_be_anything(tmp_path, noise):
+    written = (CASES / "passive-joint/zero_torque.csv").read_text().replace(",0\n", f",{noise}\n")
+    path = tmp_path / "log.csv"
+    path.write_text(written)
+    assert "passive_joint: 2" in refused(read_log, path, Arm()).expected
+    log = read_log(path, Arm(passive_joint=2))
+    assert not log.tau[1].any() and any("not used" in note for note in log.notes)
+
+
+def test_friction_in_proportion_to_its_load_is_not_sought_in_a_joint_without_a_drive():
+    path = CASES / "passive-joint/zero_torque.csv"
+    found = repro.identify(path, method="ordinary").details.friction
+    assert "load2" not in {term.name for terms in found for term in terms}
+
+
 def test_positions_in_turns_without_a_unit_are_told_so():
     found = repro.identify(CASES / "turns/no_unit.csv", method="bounded")
     assert any("units: {position: turns}" in warning for warning in found.warnings)

@@ -63,6 +63,15 @@ def test_the_format_does_not_matter(file, separator, comma, header, twice, empty
     assert all(map(str.startswith, log.notes, beginnings))
 
 
+@pytest.mark.parametrize("separator", [",", "|"])
+def test_comments_rules_and_separators_at_the_end_do_not_matter(file, separator):
+    header, *rows = lines(separator)
+    rows[3] += separator
+    comments = {100: "% resumed", 200: "# resumed", 300: "// resumed, after a pause, of 0, s, or 1, 2, 3"}
+    rows = [line for k, row in enumerate(rows) for line in ([comments[k], row] if k in comments else [row])]
+    assert_same(read(file, ["// of 2024", header, separator.join(["---"] * len(TABLE)), *rows]), GOOD)
+
+
 def test_commas_that_may_group_digits_are_decimal_next_to_commas_that_cannot(file):
     log = read(file, ["time;q1;q2;tau1;tau2", *(f"{k}e-2;1,{k:03d};0,5;0,{k};0,7{k}" for k in range(300))])
     np.testing.assert_allclose(log.q[0], 1.0 + 1e-3 * np.arange(300), atol=1e-12)

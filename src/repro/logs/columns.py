@@ -4,7 +4,7 @@ import difflib
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -33,9 +33,11 @@ SPELLINGS: Final[dict[SignalKind, dict[str, tuple[str, ...]]]] = {
         "us": ("us", "usec", "micros", "microsecond", "microseconds"),
         "ns": ("ns", "nsec", "nanos", "nanosecond", "nanoseconds"),
         "min": ("min", "mins", "minute", "minutes"),
+        "days": ("day", "days"),
     },
     "position": {
         "rad": ("rad", "rads", "radian", "radians"),
+        "mrad": ("mrad", "milliradian", "milliradians"),
         "deg": ("deg", "degs", "degree", "degrees", "°"),
         "counts": ("counts", "count", "cts", "cnt", "ticks", "tick", "inc", "lsb"),
         "turns": tuple(f"{unit}{s}" for unit in _TURNS for s in ("", "s")),
@@ -51,17 +53,23 @@ SPELLINGS: Final[dict[SignalKind, dict[str, tuple[str, ...]]]] = {
         "N m": ("nm", "newtonmeter", "newtonmetre", "newtonmeters", "newtonmetres"),
         "mN m": ("mnm", "nmm", "millinewtonmeter", "millinewtonmetre"),
         "N cm": ("ncm",),
+        "kN m": ("knm",),
+        "kgf cm": ("kgfcm", "kgcm"),
+        "lbf in": ("lbfin", "lbin", "inlbf", "inlb"),
+        "lbf ft": ("lbfft", "lbft", "ftlbf", "ftlb"),
+        "ozf in": ("ozfin", "ozin", "inozf", "inoz"),
         "A": ("a", "amp", "amps", "ampere", "amperes"),
         "mA": ("ma", "milliamp", "milliamps"),
-        "counts": ("counts", "count", "cts", "cnt", "pwm", "lsb", "ticks"),
+        "counts": ("counts", "count", "cts", "cnt", "pwm", "lsb", "ticks", "%", "percent", "‰"),
     },
 }
 
 _FACTORS: Final = {
-    **{"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
+    **{"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "days": 86400.0},
     **{"rad": 1.0, "deg": math.pi / 180.0, "rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0},
     **{"turns": 2.0 * math.pi, "turns/s": 2.0 * math.pi},
-    **{"N m": 1.0, "mN m": 1e-3, "N cm": 1e-2},
+    **{"mrad": 1e-3, "N m": 1.0, "mN m": 1e-3, "N cm": 1e-2, "kN m": 1e3, "kgf cm": 9.80665e-2},
+    **{"lbf in": 0.1129848290276167, "lbf ft": 1.3558179483314004, "ozf in": 0.1129848290276167 / 16.0},
 }
 
 #: Names of a signal without its joint, and the unit that they imply.
@@ -94,6 +102,7 @@ def _names() -> dict[str, tuple[Signal, str | None]]:
     """List the squeezed names of columns, each with its signal and the unit that the name implies."""
     times = ("time", "t", "timestamp", "timestamps")
     names: dict[str, tuple[Signal, str | None]] = dict.fromkeys(times, ("time", None))
+    names |= {"millis": ("time", "ms"), "micros": ("time", "us")}
     for joint, part in ((1, "shoulder"), (2, "elbow")):
         for signal, words, unit in _WORDS:
             for word in words:
@@ -120,10 +129,14 @@ def find_columns(header: Sequence[str], arm: Arm, file: str) -> tuple[dict[Signa
             candidates.setdefault(match[0], []).append(Column(index, name, _unit(name, *match, arm, file)))
     zero = [name for name in header if _JOINT_0.search(name) and _match(_JOINT_0.sub("1", name))]
     if zero and candidates.keys() - {"time"}:  # joints 1 and 2 may be the second and third of 0, 1 and 2
-        named = "each column of the two joints by its signal, columns.q1 and so on, in the arm file"
-        raise InputError.at(f"{file}: header", f"columns of a joint 0: {_listed(zero)}", f"joints 1 and 2, or {named}")
+        guessed = {} if candidates.keys() & {"q2", "tau2"} else _alike(header)
+        guessed |= {signal: columns[0].header for signal, columns in candidates.items() if signal == "time"}
+        expected = f"joints 1 and 2; for arm.yaml, to correct: {_paste(KINDS.keys() - {'dq1', 'dq2'}, guessed)}"
+        raise InputError.at(f"{file}: header", f"columns of a joint 0: {_listed(zero)}", expected)
     for signal, columns in candidates.items():
         chosen[signal] = _choose(signal, columns, file, notes)
+    if arm.passive_joint is not None and (torque := chosen.pop("tau1" if arm.passive_joint == 1 else "tau2", None)):
+        notes.append(f"{torque.header} is not used: passive_joint of {arm.file} is {arm.passive_joint}")
     if arm.sampling_rate is not None and (time := chosen.pop("time", None)):
         notes.append(f"{time.header} is not used: sampling_rate of {arm.file} is {arm.sampling_rate:g} Hz")
     optional = ("dq1", "dq2", f"tau{arm.passive_joint}", *(("time",) if arm.sampling_rate is not None else ()))
@@ -216,23 +229,34 @@ def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signa
     """Report signals without a column, with columns of the file to correct and paste into the arm file."""
     used = {column.header for column in found.values()}
     free = [name for name in header if name and name not in used and len(name) <= _MAX_PROPOSED_LENGTH]
-    likely = _misspelt(free) | _alike(free)
+    known = {signal: column.header for signal, column in found.items()}
+    if known.keys() <= {"time", "q2", "dq2", "tau2"}:  # the two joints may be the second and third of a larger arm
+        free += [known.pop(signal) for signal in known.keys() - {"time"}]
+    likely = _misspelt(free) | _alike(free) | known
     near = [f"{likely[signal]!r} for {signal}" for signal in missing if signal in likely]
     hint = f" (perhaps {', '.join(near)})" if near else ""
-    likely |= {signal: column.header for signal, column in found.items()}
-    columns = {signal: likely.get(signal, "HEADER") for signal in KINDS if signal in {*found, *missing}}
-    paste = ", ".join(f"{signal}: {json.dumps(name, ensure_ascii=False)}" for signal, name in columns.items())
     without = ", or sampling_rate: HZ if it has none" if "time" in missing else ""
     if missing in (["tau1"], ["tau2"]):
         without = f", or passive_joint: {missing[0][-1]} if it has no drive"
-    expected = f"a column for {', '.join(missing)}{hint}{without}; for arm.yaml, to correct: columns: {{{paste}}}"
+    if joint := next((name for name in header if squeeze(name) in ("joint", "jointname", "name", "motor", "id")), None):
+        pivot = f"frame.pivot(index={known.get('time', 'TIME')!r}, columns={joint!r})"
+        renamed = "frame.columns = ['.'.join(map(str, pair[::-1])) for pair in frame.columns]"
+        without += f"; of a row for each joint, make columns in Python: frame = {pivot}; {renamed}"
+    paste = _paste({*found, *missing}, likely)
+    expected = f"a column for {', '.join(missing)}{hint}{without}; for arm.yaml, to correct: {paste}"
     return InputError.at(f"{file}: header", f"the columns {_listed(header)}", expected)
+
+
+def _paste(signals: Set[Signal], columns: Mapping[Signal, str]) -> str:
+    """Write the columns of these signals as a line of the arm file."""
+    names = {signal: columns.get(signal, "HEADER") for signal in KINDS if signal in signals}
+    return f"columns: {{{', '.join(f'{key}: {json.dumps(name, ensure_ascii=False)}' for key, name in names.items())}}}"
 
 
 #: Words of a header by what they say of it; what was asked for, or worked on later, is not what was measured.
 _KIND_WORDS: Final[dict[str, tuple[str, ...]]] = {
     "time": ("time", "t", "timestamp", "stamp", "times", "timestamps", "zeit"),
-    "q": ("q", "pos", "position", "positions", "theta", "angle", "angles", "encoder", "winkel"),
+    "q": ("q", "pos", "position", "positions", "theta", "angle", "angles", "encoder", "enc", "winkel"),
     "tau": ("tau", "torque", "torques", "effort", "efforts", "trq", "current", "currents", "cur", "m", "moment"),
 }
 _NOT_MEASURED: Final = re.compile(
@@ -243,8 +267,13 @@ _NOT_MEASURED: Final = re.compile(
 def _misspelt(header: Sequence[str]) -> dict[Signal, str]:
     """Guess columns whose names nearly are those of a signal, with its joint."""
     guessed: dict[Signal, str] = {}
+    words = {word for _, of_kind, _ in _WORDS for word in of_kind}  # of neither joint
     for known, (signal, _) in _NAMES.items():
-        measured = {squeeze(name): name for name in header if not _NOT_MEASURED.search(name.lower())}
+        measured = {
+            squeeze(name): name
+            for name in header
+            if not _NOT_MEASURED.search(name.lower()) and squeeze(name) not in words
+        }
         same_joint = [plain for plain in measured if re.findall(r"\d", plain) == re.findall(r"\d", known)]
         if near := difflib.get_close_matches(known, same_joint, 1, 0.75):
             guessed.setdefault(signal, measured[near[0]])
@@ -256,7 +285,8 @@ def _alike(header: Sequence[str]) -> dict[Signal, str]:
     by_stem: dict[tuple[str, str], dict[int, str]] = {}
     guessed: dict[Signal, str] = {}
     for name in header:
-        words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+|\d+", name)]
+        numbered = re.sub("shoulder|hip", "1", re.sub("elbow|knee", "2", name, flags=re.I), flags=re.I)
+        words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+|\d+", numbered)]
         letters = [word for word in words if word.isalpha()]
         if any(_NOT_MEASURED.search(word) for word in letters):
             continue
@@ -265,7 +295,7 @@ def _alike(header: Sequence[str]) -> dict[Signal, str]:
         if kinds == ["time"] and not numbers:
             guessed.setdefault("time", name)
         elif len(kinds) == len(numbers) == 1 and kinds != ["time"]:
-            by_stem.setdefault((kinds[0], re.sub(r"\d+", "#", name)), {})[numbers[0]] = name
+            by_stem.setdefault((kinds[0], re.sub(r"\d+", "#", numbered)), {})[numbers[0]] = name
     for kind in ("q", "tau"):
         joints = [joint for (of, _), joint in by_stem.items() if of == kind and len(joint) > 1]
         if len(joints) == 1:
@@ -338,6 +368,8 @@ def si_factor(signal: Signal, unit: str, arm: Arm, log: str = "the log") -> floa
         return _FACTORS[unit]
     key = "torque_constant" if KINDS[signal] == "torque" else "counts_per_turn"
     if getattr(arm, key) is None:
-        raise InputError.at(f"{arm.file}: {key}", "nothing", f"two numbers, because {signal} of {log} is in {unit}")
+        meaning = "N m at the joint for 1 A or 1 count" if key == "torque_constant" else "counts in a turn of the joint"
+        expected = f"two numbers, {meaning}, because {signal} of {log} is in {unit}"
+        raise InputError.at(f"{arm.file}: {key}", "nothing", expected)
     value: float = getattr(arm, key)[int(signal[-1]) - 1]
     return 2.0 * math.pi / value if key == "counts_per_turn" else value * (1e-3 if unit == "mA" else 1.0)

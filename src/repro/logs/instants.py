@@ -8,10 +8,14 @@ from numpy.typing import NDArray
 
 from repro.model.parameters import Array
 
-#: A clock time, perhaps behind a date, perhaps with a time zone, which all rows share.
+#: A clock time, perhaps behind a date with the year first or last, perhaps with a time zone, which all rows share.
 _STAMP = re.compile(
-    r"(?:(\d{4})[-/.](\d{1,2})[-/.](\d{1,2})(?:T|\s+))?(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d*)?)\s*(?:Z|UTC|[+-]\d{2}:?\d{2})?"
+    r"(?:(\d{4}|\d{1,2})[-/.](\d{1,2})[-/.](\d{4}|\d{1,2})(?:T|,?\s+))?"
+    r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d*|:\d{3,})?)\s*([AP]M)?(?:Z|UTC|[+-]\d{2}:?\d{2})?",
+    re.IGNORECASE,
 )
+#: Date and clock time of ISO 8601 without separators.
+_BASIC = re.compile(r"(\d{4})(\d{2})(\d{2})T(\d{2})(\d{2})(\d{2})")
 _EPOCH = datetime.date(1970, 1, 1).toordinal()
 DAY_S = 86400.0
 #: Where counters begin again, in their own unit: of 32 and 16 bits, also with ms or us as s, and a clock at midnight.
@@ -28,15 +32,21 @@ _MIN_FULL = 0.5
 
 def seconds_of(cell: str) -> float | None:
     """Give a date with a clock time as s since 1970, a clock time as s since midnight; None for anything else."""
-    match = _STAMP.fullmatch(cell.strip())
+    match = _STAMP.fullmatch(_BASIC.sub(r"\1-\2-\3T\4:\5:\6", cell.strip("[]() \t")))
     if not match:
         return None
-    *date, hours, minutes, seconds = match.groups()
-    of_day = 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+    *date, hours, minutes, seconds, half = match.groups()
+    hour = int(hours) if half is None else int(hours) % 12 + 12 * (half.lower() == "pm")
+    of_day = 3600.0 * hour + 60.0 * int(minutes) + float(re.sub("[,:]", ".", seconds))
     if date[0] is None:
         return of_day
+    if (len(date[0]) == 4) == (len(date[2]) == 4):  # a year of two digits could be any of the three
+        return None
+    year, month, day = map(int, date if len(date[0]) == 4 else date[::-1])
+    if month > 12 and len(date[0]) < 4:  # the month first, as in the United States
+        month, day = day, month
     try:
-        return DAY_S * (datetime.date(*map(int, date)).toordinal() - _EPOCH) + of_day
+        return DAY_S * (datetime.date(year, month, day).toordinal() - _EPOCH) + of_day
     except ValueError:  # no such day
         return None
 
@@ -51,7 +61,9 @@ def continued(time: Array) -> tuple[Array, str]:
     for name, moduli in _WRAPS.items():
         for modulus in moduli:
             over = steps[back] + modulus
-            if time.max() < modulus and time.min() >= 0.0 and ((over > 0.0) & (over <= _MAX_STEPS * usual)).all():
+            lowest = 0.0 if time.min() >= 0.0 else -modulus / 2.0  # a signed counter goes on at its lowest value
+            within = time.min() >= lowest and time.max() < lowest + modulus
+            if within and ((over > 0.0) & (over <= _MAX_STEPS * usual)).all():
                 return time + modulus * np.concatenate([[0.0], np.cumsum(back)]), name
     return time, ""
 
@@ -94,18 +106,24 @@ def _full(values: Array) -> NDArray[np.bool_]:
     return np.asarray(~np.isnan(values).any(axis=0))
 
 
-#: Fraction of a power of two that counts fill which wrap there, and largest step that is left.
+#: Fraction of a power of two or ten that counts fill which wrap there, and largest step that is left.
 _MIN_FILLED, _MAX_LEFT = 0.9, 0.25
 
 
 def unwrapped(counts: Array) -> tuple[Array, int]:
-    """Unwrap counts (N,) of an encoder that begin again at a power of two; also which, 0 if they do not."""
-    span = float(np.ptp(counts))
-    modulus = 2.0 ** np.ceil(np.log2(max(span, 1.0) + 1.0))
+    """Unwrap counts (N,) of an encoder that begin again at a power of two or ten; also which, 0 if they do not."""
+    size = max(float(np.ptp(counts)), 1.0) + 1.0
+    moduli = (2.0 ** np.ceil(np.log2(size)), 10.0 ** np.ceil(np.log10(size)))
+    continued = [(x, int(modulus)) for modulus in moduli if (x := _continued_at(counts, modulus)) is not None]
+    return min(continued, key=lambda pair: float(np.abs(np.diff(pair[0], 2)).sum()), default=(counts, 0))
+
+
+def _continued_at(counts: Array, modulus: float) -> Array | None:
+    """Continue counts (N,) that begin again at `modulus`; None if they do not."""
     steps = np.diff(counts)
     jumps = np.where(np.abs(steps) > modulus / 2.0, -np.sign(steps), 0.0)
-    if not jumps.any() or span < _MIN_FILLED * modulus or (counts != np.rint(counts)).any():
-        return counts, 0
+    if not jumps.any() or np.ptp(counts) < _MIN_FILLED * modulus or (counts != np.rint(counts)).any():
+        return None
     if np.abs(steps + modulus * jumps).max() > _MAX_LEFT * modulus:
-        return counts, 0
-    return counts + modulus * np.concatenate([[0.0], np.cumsum(jumps)]), int(modulus)
+        return None
+    return np.asarray(counts + modulus * np.concatenate([[0.0], np.cumsum(jumps)]))

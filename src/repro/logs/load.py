@@ -23,6 +23,7 @@ _MIN_RATE_HZ, _MAX_RATE_HZ = 5.0, 20e3  # rates that an arm is recorded at
 _LIKELY_RATES_HZ = (20.0, 10e3)  # rates that most arms are recorded at
 #: Largest magnitudes of a time (in the file), a position (rad), a velocity (rad/s) and a torque (N m).
 _MAX_TIME, _MAX_MAGNITUDES = 1e30, (("position", 1e6, "rad"), ("velocity", 1e9, "rad/s"), ("torque", 1e9, "N m"))
+_MAX_RATE_ERROR = 1e-3  # relative difference from a whole number of Hz up to which a rate is that number
 _MIN_TORQUE_NM = 1e-12  # largest torque of a joint that is large enough: the square of a smaller one underflows
 _MAX_SATURATED = 0.9  # fraction of samples at the torque limit, above which a log is refused
 _TURN = 2.0 * np.pi
@@ -135,14 +136,10 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
     for position in positions:
         if columns[position].unit == "counts":
             recorded[position], modulus = unwrapped(recorded[position])
-            notes = (
-                *notes,
-                *(
-                    [f"{position} wraps at {modulus} counts; unwrapped: its zero is known but for multiples"]
-                    if modulus
-                    else []
-                ),
-            )
+            if modulus:
+                angle = modulus * si_factor(position, "counts", arm, table.file)
+                known = f"its zero in the arm file is known but for multiples of {angle:.5g} rad"
+                notes = (*notes, f"{position} wraps at {modulus} counts; unwrapped: {known}")
     si = {signal: si_factor(signal, str(columns[signal].unit), arm, table.file) * x for signal, x in recorded.items()}
     if arm.sampling_rate is not None:
         si["time"], recorded["time"] = (np.arange(values.shape[1], dtype=np.float64)[rows] / arm.sampling_rate,) * 2
@@ -177,7 +174,10 @@ def _full_rows(
         worst = signals[int(np.argmax(np.isnan(values).sum(1) * needed))]
         found = f"an empty cell there and in {empty.sum() - 1} more of {empty.size} rows, most of {worst}"
         row = int(np.argmax(empty))
-        raise InputError.at(f"{file}: line {lines[row]}", found, f"at least {MIN_SAMPLES} full rows")
+        expected = f"at least {MIN_SAMPLES} full rows"
+        if KINDS[worst] == "torque" and np.isnan(values[signals.index(worst)]).all():
+            expected += f", or in the arm file passive_joint: {worst[-1]} if joint {worst[-1]} has no drive"
+        raise InputError.at(f"{file}: line {lines[row]}", found, expected)
     full = values[:, full_rows]
     with np.errstate(over="ignore"):  # the size of numbers is checked later
         copies = np.r_[False, ((full[:, 1:] == full[:, :-1]) | np.isnan(full[:, 1:] + full[:, :-1])).all(0)]
@@ -220,9 +220,15 @@ def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Seque
     if (wrong := np.flatnonzero(steps <= 0.0)).size:
         k = int(wrong[0])
         now, before = (f"{value:.10g} {unit}" for value in (recorded[k + 1], recorded[k]))
-        digits = " (too few digits?)" if np.all(steps[wrong] == 0.0) and wrong.size > 0.05 * steps.size else ""
-        found = f"{now} twice{digits}" if steps[k] == 0.0 else f"{now} after {before}"
+        found = f"{now} twice" if steps[k] == 0.0 else f"{now} after {before}"
         expected = "time that increases; of two runs in one file, a file for each"
+        if np.all(steps[wrong] == 0.0) and wrong.size > 0.05 * steps.size:
+            found, expected = f"{found} (too few digits?)", "time that increases"
+            ticks = np.flatnonzero(steps)
+            if ticks.size > 1:
+                rate = (ticks[-1] - ticks[0]) / (time[ticks[-1]] - time[ticks[0]])
+                rate = round(rate) if abs(rate - round(rate)) < _MAX_RATE_ERROR * rate else rate
+                expected += f"; if the samples are evenly spaced, write into the arm file: sampling_rate: {rate:.4g}"
         raise InputError.at(f"{file}: line {lines[k + 1]}, time", found, expected)
     rate = 1.0 / float(np.median(np.diff(time)))
     if not _MIN_RATE_HZ <= rate <= _MAX_RATE_HZ:
@@ -231,8 +237,11 @@ def _check_time(time: Array, recorded: Array, unit: str, file: str, lines: Seque
         rates = {name: 1.0 / (period * si_factor("time", name, Arm())) for name in SPELLINGS["time"]}
         low, high = _LIKELY_RATES_HZ
         likely = [f"{name} ({hz:.4g} Hz)" for name, hz in rates.items() if low <= hz <= high]
-        unless = f"unless time is in {' or '.join(likely)}: then give" if likely else "or another unit of time:"
-        expected = f"{_MIN_RATE_HZ:g} to {_MAX_RATE_HZ:g} Hz, {unless} units.time in the arm file"
+        unless = f"unless time is in {' or '.join(likely)}: then" if likely else "or another unit of time:"
+        named = likely[0].split()[0] if len(likely) == 1 else "UNIT"
+        expected = (
+            f"{_MIN_RATE_HZ:g} to {_MAX_RATE_HZ:g} Hz, {unless} write into the arm file: units: {{time: {named}}}"
+        )
         raise InputError.at(f"{file}: time", found, expected)
     if time[-1] - time[0] < MIN_LENGTH_S:
         raise InputError.at(file, f"{time[-1] - time[0]:.3g} s", f"at least {MIN_LENGTH_S:g} s")
@@ -253,7 +262,9 @@ def _check_signals(log: Log, file: str) -> None:
             continue  # a joint without a drive
         if np.ptp(tau) == 0.0:
             found = "zero throughout" if tau[0] == 0.0 else f"{tau[0]:.6g} N m throughout"
-            raise InputError.at(place, found, "a torque that changes")
+            without = f", or in the arm file passive_joint: {joint} if the joint has no drive"
+            alone = moved[joint - 1] >= MIN_RANGE_RAD and np.ptp(log.tau[2 - joint]) > 0.0  # the other joint is driven
+            raise InputError.at(place, found, f"a torque that changes{without if alone else ''}")
         if most < _MIN_TORQUE_NM:
             raise InputError.at(place, f"{most:.3g} N m at most", f"a torque of {_MIN_TORQUE_NM:g} N m and more")
     for joint, fraction in enumerate(saturated(log).mean(axis=1), 1):

@@ -24,8 +24,9 @@ from repro.model.parameters import Array
 MAX_COLUMNS = 1000  # most columns of a log
 _MAX_COMMENT_LINES = 1000  # most lines of comments before the header
 _LINES_PER_BLOCK = 2_000  # lines that are read at a time
-COMMENTS = ("#", "%")  # what lines of comments begin with
+COMMENTS = ("#", "%", "//")  # what lines of comments begin with
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
+_RULE = re.compile(r"[\s|+:=,;-]*(-{3}|={3})[\s|+:=,;-]*")  # a line between header and rows
 #: Numbers with a decimal comma, and those among them that could be integers with digits in groups.
 _COMMA, _GROUPS = re.compile(r"[+-]?\d*,\d*([eE][+-]?\d+)?"), re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 #: Cells that programs write where there is no number.
@@ -195,7 +196,7 @@ def _above_rows(path: Path) -> _Head | None:
     comment = ""
     for line in islice(_filled(path), _MAX_COMMENT_LINES):
         if line[1].startswith(COMMENTS):
-            comment = line[1].lstrip("#% ")
+            comment = line[1].lstrip("#%/ ")
             continue
         if not _is_row(line[1]):
             texts.append(line)
@@ -234,7 +235,7 @@ def _first_lines(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:
     comment, lines = "", _filled(path)
     for first in lines:
         if first[1].startswith(COMMENTS):
-            comment = first[1].lstrip("#% ")
+            comment = first[1].lstrip("#%/ ")
         elif not _is_numbers(first[1]):
             for second in lines:
                 return first, second
@@ -247,30 +248,36 @@ def _first_lines(path: Path) -> tuple[tuple[int, str], tuple[int, str]]:
 
 
 def _unnamed(path: Path, line: int, row: str) -> InputError:
-    return InputError.at(f"{path}: line {line}", f"numbers ({row[:40]})", "a header that names the columns")
+    return InputError.at(
+        f"{path}: line {line}", f"numbers ({row[:40]})", "a header that names the columns, and no numbers above it"
+    )
 
 
 def _blocks(path: Path, begin: int, separator: str, header: Sequence[str]) -> Iterator[Rows]:
-    """Give the rows from line `begin` on, a block at a time; refuse a row of another length, and the header again."""
+    """Give the rows from line `begin` on, a block at a time; refuse a row of another length, and the header again.
+
+    A separator at the end of a row adds no cell.
+    """
     n_columns = len(header)
-    lines = (line for line in _filled(path) if line[0] >= begin)
+    lines = (line for line in _filled(path) if line[0] >= begin and not line[1].startswith(COMMENTS))
     while block := list(islice(lines, _LINES_PER_BLOCK)):
         rows = [(number, _cells(line, separator)) for number, line in block]
         for k, (number, cells) in enumerate(rows):
             if cells == header:
                 raise InputError.at(f"{path}: line {number}", "the header again", "one run: a file for each")
+            if len(cells) == n_columns + 1 and not cells[-1].strip():
+                cells.pop()
             if len(cells) != n_columns:
                 last = k == len(rows) - 1 and next(lines, None) is None
-                ended = block[k][1].rstrip(" ").endswith(separator)
-                raise _ragged(f"{path}: line {number}", len(cells), n_columns, ended, last)
+                raise _ragged(f"{path}: line {number}", len(cells), n_columns, last)
         yield rows
 
 
 def _filled(path: Path) -> Iterator[tuple[int, str]]:
-    """Give the lines that are not blank, without their ends, with their numbers from 1."""
+    """Give the lines that are neither blank nor a rule of a table, without their ends, with their numbers from 1."""
     with path.open(encoding="utf-8-sig") as file:
         for number, line in enumerate(file, 1):
-            if line.strip():
+            if line.strip() and not _RULE.fullmatch(line):
                 yield number, line.removesuffix("\n")
 
 
@@ -325,12 +332,10 @@ def _is_numbers(line: str) -> bool:
     return all(_is_number(cell) for cell in re.split(r'[\s,;|"]', line))
 
 
-def _ragged(place: str, found: int, expected: int, ended: bool, last: bool) -> InputError:
+def _ragged(place: str, found: int, expected: int, last: bool) -> InputError:
     """Report a row of another length than the header."""
     hint = ""
-    if found == expected + 1 and ended:
-        hint = " (a separator at its end)"
-    elif found in (2 * expected, 2 * expected - 1):
+    if found in (2 * expected, 2 * expected - 1):
         hint = " (decimal commas?)"
     elif last and found < expected:
         hint = " (the last line, cut off: delete it)"
