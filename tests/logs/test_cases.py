@@ -106,6 +106,7 @@ TIMES = {
     ),
     "leg": ("t,knee_pos,hip_pos,knee_tau,hip_tau", str, 'q1: "hip_pos", q2: "knee_pos", tau1: "hip_tau"'),
     "joints from 0": ("t,q_0,q_1,tau_0,tau_1", str, 'q1: "q_0", q2: "q_1", tau1: "tau_0", tau2: "tau_1"'),
+    "torques in another file": ("t,q1,q2,x,y", str, "pandas.merge_asof(frame, other, on='t')"),
     "a row for each joint": ("time,joint,position,effort,velocity", str, "frame.pivot(index='time', columns='joint')"),
 }
 

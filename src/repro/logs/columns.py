@@ -238,6 +238,8 @@ def _missing(missing: Sequence[Signal], header: Sequence[str], found: dict[Signa
     without = ", or sampling_rate: HZ if it has none" if "time" in missing else ""
     if missing in (["tau1"], ["tau2"]):
         without = f", or passive_joint: {missing[0][-1]} if it has no drive"
+    if missing in (["tau1", "tau2"], ["q1", "q2"]) and "time" in known:
+        without = f", joined by time if they are in another file: pandas.merge_asof(frame, other, on={known['time']!r})"
     if joint := next((name for name in header if squeeze(name) in ("joint", "jointname", "name", "motor", "id")), None):
         pivot = f"frame.pivot(index={known.get('time', 'TIME')!r}, columns={joint!r})"
         renamed = "frame.columns = ['.'.join(map(str, pair[::-1])) for pair in frame.columns]"
