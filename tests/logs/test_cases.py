@@ -74,6 +74,13 @@ def test_a_joint_without_a_drive_is_fitted(file, arm):
     assert ((rows["low"] <= TRUE[:5]) & (TRUE[:5] <= rows["high"])).all()
 
 
+@pytest.mark.parametrize(("counts", "multiple"), [(40960, "multiples of 0.62832 rad"), (4096, "")])
+def test_counts_that_wrap_before_a_full_turn_leave_multiples_of_the_zero(counts, multiple):
+    log = read_log(CASES / "motor-encoder/wrap.csv", Arm(**MOTOR | {"counts_per_turn": [counts, counts]}))
+    said = " ".join(log.notes)
+    assert "wraps at 4096 counts" in said and multiple in said and ("multiples" in said) == bool(multiple)
+
+
 #: File, and what the one line says is expected.
 REFUSED = {
     "time/bursts.csv": "sampling_rate: 100",

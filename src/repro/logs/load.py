@@ -138,8 +138,13 @@ def _from_table(table: Table, name: str, arm: Arm) -> Log:
             recorded[position], modulus = unwrapped(recorded[position])
             if modulus:
                 angle = modulus * si_factor(position, "counts", arm, table.file)
-                known = f"its zero in the arm file is known but for multiples of {angle:.5g} rad"
-                notes = (*notes, f"{position} wraps at {modulus} counts; unwrapped: {known}")
+                full_turns = (
+                    abs(angle / _TURN - round(angle / _TURN)) < _MAX_WRAP_ERROR
+                )  # full turns do not change the zero
+                known = (
+                    "" if full_turns else f": its zero in the arm file is known but for multiples of {angle:.5g} rad"
+                )
+                notes = (*notes, f"{position} wraps at {modulus} counts; unwrapped{known}")
     si = {signal: si_factor(signal, str(columns[signal].unit), arm, table.file) * x for signal, x in recorded.items()}
     if arm.sampling_rate is not None:
         si["time"], recorded["time"] = (np.arange(values.shape[1], dtype=np.float64)[rows] / arm.sampling_rate,) * 2
