@@ -100,6 +100,27 @@ def test_a_log_that_cannot_be_read_is_told_what_to_do(file, said):
     assert said in refused(read_log, CASES / file, Arm()).expected
 
 
+#: How a file of another format begins, and the way to a table.
+BEGINNINGS = {
+    b"\x1f\x8b\x08": "gunzip --stdout",
+    b"PK\x03\x04": "read_excel",
+    b"PAR1": "read_parquet",
+    b"\x80\x04\x95": "data frame",
+    b"ULog\x01": "ulog2csv",
+    b"MATLAB 7.3 MAT-file": "writetable",
+    b"[\n {": "read_json",
+    b"header:\n  stamp:": "the bag",
+    b"\xff\xfet\x00": "iconv -f UTF-16",
+    b"t,q1 [\xb0]\n": "iconv -f LATIN1",
+}
+
+
+@pytest.mark.parametrize(("beginning", "said"), BEGINNINGS.items(), ids=BEGINNINGS.values())
+def test_another_format_has_a_way_to_a_table(tmp_path, beginning, said):
+    (tmp_path / "log.csv").write_bytes(beginning + b" " * 40)
+    assert said in refused(read_log, tmp_path / "log.csv", Arm()).expected
+
+
 #: Header and row k of a log at 200 Hz, and what the one line says is expected.
 TIMES = {
     "whole seconds": ("time,q1,q2,tau1,tau2", lambda k: f"2024-05-30 15:33:{10 + k // 200}", "sampling_rate: 200"),
