@@ -1,6 +1,7 @@
 """Logs that people have: small files of one simulated arm, in the forms that loggers write."""
 
 from pathlib import Path
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import yaml
 from experiment_example import refused
 
 import repro
-from repro.identification.armfile import Arm
+from repro.identification.armfile import Arm, Units
+from repro.logs.columns import SPELLINGS
 from repro.logs.load import read_log
 
 CASES = Path(__file__).parent / "cases"
@@ -169,6 +171,11 @@ def test_units_are_converted(tmp_path, header, size):
     )
     log = read_log(path, Arm())
     np.testing.assert_allclose([*log.q, *log.tau], [np.sin(t), np.sin(1.3 * t), np.cos(t), np.cos(1.7 * t)], atol=1e-6)
+
+
+def test_every_unit_of_a_header_may_be_in_the_arm_file():
+    hints = get_type_hints(Units)
+    assert {kind: set(get_args(hints[kind])) for kind in SPELLINGS} == {k: set(u) for k, u in SPELLINGS.items()}
 
 
 @pytest.mark.parametrize("noise", [np.nan, 0.03])

@@ -72,10 +72,10 @@ class Units(TypedDict, total=False):
 
     __pydantic_config__ = STRICT  # type: ignore[misc]
 
-    time: Literal["s", "ms", "us", "ns", "min"]
-    position: Literal["rad", "deg", "counts", "turns"]
+    time: Literal["s", "ms", "us", "ns", "min", "days"]
+    position: Literal["rad", "mrad", "deg", "counts", "turns"]
     velocity: Literal["rad/s", "deg/s", "rpm", "counts/s", "turns/s"]
-    torque: Literal["N m", "mN m", "N cm", "A", "mA", "counts"]
+    torque: Literal["N m", "mN m", "N cm", "kN m", "kgf cm", "lbf in", "lbf ft", "ozf in", "A", "mA", "counts"]
 
 
 def _key(expected: str, meaning: str = "", absent: str = "none", **default: Any) -> Any:  # noqa: ANN401
