@@ -136,7 +136,7 @@ PHRASES = [
     ),
     (
         "README.md",
-        "beats plain least squares in {} of {} experiments",
+        "makes least squares better in {} of {} experiments",
         [row("accepted", unit="all", method="bounded")[name] for name in ("wins", "experiments")],
     ),
     (EXPERIMENT, "experiments in which it is better is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
