@@ -31,7 +31,7 @@ def draw_tracking_error(frame: pd.DataFrame) -> Figure:
 @_figure("Tracking error", draw_tracking_error, inputs=("validation",))
 def tracking_error(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Desired less measured position on the validation motions of the simulated arm, every tenth sample."""
-    recordings, h = experiment.read_recordings(inputs["captures"], config), config.signals.sampling_period_s
+    recordings, h = read_recordings(inputs["captures"], config), config.signals.sampling_period_s
     parts = []
     for recording in recordings:
         error = (recording.program.q - recording.q)[:, ::10]
