@@ -1,6 +1,6 @@
 """`repro identify` of a log of a million rows against a plain script: processor time of both, in turn, and the ratio.
 
-Each is a process of its own, so that starting Python and loading modules counts. The command also draws its report.
+Each is a separate process, so that starting Python and loading modules counts. The command also draws its report.
 """
 
 import argparse

@@ -49,8 +49,8 @@ def one_of(known: Iterable[str], found: object) -> str:
 def check_kind(name: str, value: object, kind: type | tuple[type, ...], expected: str) -> None:
     """Refuse an argument of another type than a function takes, in one line."""
     if not isinstance(value, kind):
-        shown = repr(value)
-        raise InputError.at(name, shown if len(shown) <= 60 else f"a value of type {type(value).__name__}", expected)
+        text = repr(value)
+        raise InputError.at(name, text if len(text) <= 60 else f"a value of type {type(value).__name__}", expected)
 
 
 def failure(error: OSError) -> str:

@@ -231,7 +231,7 @@ def _by_id(entities: object) -> dict[str, Entity]:
 
 
 def _files_of_run(results: Path) -> set[Path]:
-    """Files in a folder of results but logs, benchmarks and those of other runs, which have folders of their own."""
+    """Files in a folder of results but logs, benchmarks and the folders of other runs."""
     others = {
         folder for folder in results.iterdir() if any((folder / name).exists() for name in ("logs", "claims.csv"))
     }
