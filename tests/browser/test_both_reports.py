@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
+from markdown_page import heading_anchors
 
 pytestmark = pytest.mark.slow
 
@@ -74,7 +75,9 @@ def test_every_link_leads_somewhere_and_every_anchor_is_there_once(page, report)
         elif href.startswith("data:"):
             assert download, href[:60]
         else:
-            assert (report.parent / unquote(href)).is_file(), href
+            file, _, heading = unquote(href).partition("#")
+            assert (report.parent / file).is_file(), href
+            assert not heading or heading in heading_anchors((report.parent / file).read_text(encoding="utf-8")), href
 
 
 def test_the_keyboard_reaches_the_report_first_and_every_scrolling_part(page):

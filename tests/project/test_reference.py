@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from experiment_example import ROOT
+from markdown_page import heading_anchors
 
 from repro.comparison import LEDGER
 from repro.exhibits.catalogue import tolerances
@@ -130,6 +131,5 @@ def test_every_difference_has_a_cause_with_evidence():
     assert CLAIMS.loc[CLAIMS["verdict"] == "differs", "cause"].isin(causes()).all()
     for cause in causes().values():
         page, _, anchor = cause["evidence"].partition("#")
-        lines = (ROOT / "docs" / page).read_text(encoding="utf-8").lower().splitlines()
-        headings = [re.sub(r"[^a-z0-9 -]", "", line.lstrip("# ")).replace(" ", "-") for line in lines]
-        assert not anchor or anchor in headings, cause["evidence"]
+        text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+        assert not anchor or anchor in heading_anchors(text), cause["evidence"]
