@@ -72,7 +72,7 @@ def example_result(**changes):
         "simulated": False,
         "log": Description(LOGS[0], facts, ("Positions were unwrapped.",), ("The torque is at its limit.",)),
         "validation_logs": (Description(LOGS[1], (("Samples", "2 000 at 200.0 Hz"), ("Gaps", "none")), (), ()),),
-        "preparation": Preparation("zero-phase DCT pair", 5.2, "a reason", 0.0051, 20.0, 60.0, 4470, 0.3),
+        "preparation": Preparation("zero-phase DCT pair", 5.2, "a reason", 0.0051, 20.0, None, 60.0, 4470, 0.3),
         "excitation": Excitation(9, 41.7, fractions, (-0.94, -0.97), ("b2",), NAMES),
         "methods": methods,
         "recommended": "consistent",

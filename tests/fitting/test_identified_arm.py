@@ -47,6 +47,17 @@ def test_friction_in_proportion_to_the_load_is_predicted():
     assert (off(inverse_dynamics(q, dq, ddq, result.beta), tau) > 0.05).any()
 
 
+def test_stribeck_friction_is_predicted_with_its_speed():
+    q, dq, ddq = motion(4)
+    tau = inverse_dynamics(q, dq, ddq, BETA)
+    tau[0] += 0.6 * BETA[7] * np.tanh(20.0 * dq[0]) * np.exp(-((dq[0] / 0.2) ** 2))
+    result = repro.identify(Log(t=T, q=q, tau=tau, name="stiction"), method="bounded")
+    assert [term.name for term in result.details.terms if term.taken] == ["stribeck1"]
+    assert result.details.preparation.stribeck_speed == pytest.approx(0.2)
+    assert (off(result.predict(q, dq, ddq), tau) < 0.02).all()
+    assert off(result.predict(q, dq, ddq), tau)[0] < 0.3 * off(inverse_dynamics(q, dq, ddq, result.beta), tau)[0]
+
+
 def test_a_wrong_zero_is_predicted_as_its_log_records_it():
     q, dq, ddq = motion(5)
     tau, shifted = inverse_dynamics(q, dq, ddq, BETA), q - np.array([[0.1], [0.0]])
@@ -79,7 +90,7 @@ TERMS = [
 @given(seeds)
 def test_the_acceleration_under_a_torque_needs_that_torque(seed):
     rng = np.random.default_rng(seed)
-    arm = IdentifiedArm(BETA, 20.0, TERMS, load=1.03 * BETA)
+    arm = IdentifiedArm(BETA, 20.0, TERMS, load=1.03 * BETA, stribeck_speed=0.27)
     state, tau = rng.normal(size=(2, 2)) * np.array([[1.5], [2.0]]), 3.0 * rng.normal(size=2)
     t = np.array([0.0, 1e-6])
     _, dq = arm.simulate(t, np.stack([tau, tau], axis=1), *state)

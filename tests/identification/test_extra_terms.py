@@ -8,15 +8,10 @@ from fitting_problem import loaded, problem_of_logs
 from log_example import BETA, motion
 from regression_example import beta_of, log_from, with_noise
 
-from repro.identification.extra_terms import (
-    ExtraTerm,
-    best_subset,
-    cross_validation_error,
-    find_terms,
-    subtract_terms,
-)
+from repro.identification.extra_terms import ExtraTerm, subtract_terms
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings
 from repro.identification.regression import solve
+from repro.identification.term_selection import best_subset, cross_validation_error, find_terms
 from repro.model.dynamics import inverse_dynamics
 
 pytestmark = pytest.mark.slow
@@ -30,9 +25,9 @@ def load_friction(t):
     return np.abs(inverse_dynamics(q, dq, ddq, RIGID)) * np.tanh(20.0 * dq)
 
 
-def stribeck(t):
+def stribeck(t, speed=0.5):
     dq = motion(t + DELAYED.delay)[1]
-    return np.tanh(20.0 * dq) * np.exp(-((dq / 0.5) ** 2))
+    return np.tanh(20.0 * dq) * np.exp(-((dq / speed) ** 2))
 
 
 def log_with(load1=0.0, load2=0.0, stribeck2=0.0, rotor2=0.0, seed=0, noise=0.02, seconds=20.0):
@@ -96,6 +91,20 @@ def test_taken_out_is_what_was_put_in():
     left = subtract_terms(spoilt, DELAYED, BETA, terms).tau - clean.tau
     size = [np.std(x[:, 100:-100], axis=1) for x in (left, spoilt.tau - clean.tau)]  # where filters see both sides
     assert (size[0] < 0.1 * size[1]).all()
+
+
+@pytest.mark.parametrize("speed", [0.15, 0.38])
+def test_stribeck_friction_fades_at_the_speed_of_the_log_and_leaves_the_friction_of_eq_1_right(speed):
+    log = log_with()
+    log = replace(log, tau=log.tau + np.array([[0.0], [0.25]]) * stribeck(log.t, speed))
+    problem = ready_of(log, friction=True)
+    assert [term.name for term in problem.first.taken] == ["stribeck2"]
+    assert problem.first.settings.stribeck_speed == pytest.approx(speed, rel=0.2)  # half a step of the grid
+    assert problem.first.taken[0].value == pytest.approx(0.25, rel=0.1)
+    r = problem.without_standstill
+    assert solve(r.y, r.tau)[[6, 8]] == pytest.approx(BETA[[6, 8]], rel=0.06)
+    shifts = [solve(p.y, p.tau)[8] - BETA[8] for p in problem.perturbations["speed of Stribeck friction"].regressions]
+    assert shifts[0] * shifts[1] < 0.0  # a faster one and a slower one
 
 
 def test_a_term_is_subtracted_from_each_piece_by_itself():

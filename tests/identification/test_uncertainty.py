@@ -12,6 +12,7 @@ from scipy import stats
 from strategies import seeds
 
 from repro.identification import uncertainty
+from repro.identification.extra_terms import CERTAIN_EFFECTS, CONSTANTS, ExtraTerm
 from repro.identification.filtering import FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import Estimate
@@ -164,6 +165,38 @@ def test_taking_columns_out_is_fitting_them_beside_the_nine(seed):
     np.testing.assert_allclose(solve(left.y, left.tau), beside, rtol=1e-6, atol=1e-9)
 
 
+def test_a_column_that_others_contain_changes_nothing():
+    rng = np.random.default_rng(5)
+    y, tau, x = rng.normal(size=(2, 80, 9)), rng.normal(size=(2, 80)), rng.normal(size=(2, 80, 2))
+    twice = np.concatenate([x, 3.0 * x[..., :1] - x[..., 1:]], axis=-1)
+    once, again = (uncertainty.project_out(regression_of(y, tau), columns) for columns in (x, twice))
+    np.testing.assert_allclose(again.y, once.y, atol=1e-12)
+    np.testing.assert_allclose(again.tau, once.tau, atol=1e-12)
+
+
+def test_terms_are_fitted_again_next_to_an_effect():
+    """A torque constant that changes with the current looks like friction of the load, which must not keep its size."""
+    q, dq, ddq = motion(LOG.t)
+    friction, curved = loaded(q, dq, ddq), LOG.tau * np.abs(LOG.tau)
+    log = with_noise(replace(LOG, tau=LOG.tau + 0.05 * friction + 0.02 * curved), 0.01, 3)
+    terms = [ExtraTerm(f"load{joint}", 0.2, 0.01, 0.3, True) for joint in (1, 2)]  # four times as large as they are
+    weighted = [WeightedLog(log, SETTINGS, terms=terms, load=BETA)]
+    regression = uncertainty.join_filtered(weighted)
+    found = uncertainty.unmodelled_effects(weighted, regression, regression)[CONSTANTS]
+    assert found.weight > 0.9
+    (r,) = found.regressions
+    assert solve(r.y, r.tau)[:5] == pytest.approx(BETA[:5], rel=0.02)
+    assert np.abs(solve(regression.y, regression.tau)[:5] / BETA[:5] - 1.0).max() > 0.04
+
+
+@pytest.mark.parametrize(("share", "is_certain"), [(0.004, True), (-0.004, False)])
+def test_a_rotor_too_small_for_a_test_widens_intervals_where_it_would_be_positive(share, is_certain):
+    ddq2 = motion(LOG.t)[2][1]
+    log = with_noise(replace(LOG, tau=LOG.tau + each(0.0, share * BETA[2]) * ddq2), 0.002, 6)
+    found = effects(log)["inertia of the rotor of joint 2"]
+    assert (found.weight > 1.0) == is_certain
+
+
 def effects(log, corrected=None):
     """Effects beyond Eq. 1 that a log may have, if one with its calibration errors corrected may explain it instead."""
     own, plain = (drop_standstill(prepare(one, SETTINGS)) for one in (log, corrected or log))
@@ -221,7 +254,8 @@ def test_errors_of_the_motion_once_more_shrink_an_estimate_as_they_did(seed):
 
 
 def test_a_log_that_eq_1_explains_asks_for_next_to_nothing():
-    weights = [[found.weight for found in effects(with_noise(LOG, 0.05, seed)).values()] for seed in range(10)]
+    found = [effects(with_noise(LOG, 0.05, seed)) for seed in range(10)]
+    weights = [effect.weight for of_log in found for name, effect in of_log.items() if name not in CERTAIN_EFFECTS]
     assert np.mean(weights) < 0.2
 
 
@@ -251,13 +285,25 @@ def test_an_effect_that_explains_a_log_without_its_correction_has_weight(zero, s
         assert found.weight < 0.05
 
 
-def test_the_weight_is_one_minus_the_critical_value_over_f():
+def test_f_is_that_of_nested_models():
     rng = np.random.default_rng(1)
     y, x = rng.normal(size=(2, 400, 9)), rng.normal(size=(2, 400, 1))
     plain = regression_of(y, rng.normal(size=(2, 400)) + 0.12 * x[..., 0])
-    assert uncertainty.shrinkage(plain, plain, 2) == 0.0
+    assert uncertainty.f_statistic(plain, plain, 2, np.ones((2, 1)))[0] == 0.0
     rows = np.concatenate([y, x], axis=-1).reshape(800, 10)
     before, after = (np.linalg.lstsq(rows[:, :k], plain.tau.reshape(-1))[1][0] for k in (9, 10))
-    expected = 1.0 - stats.f.isf(0.05, 1, 790) / ((before / after - 1.0) * 790)
+    f, critical = uncertainty.f_statistic(plain, uncertainty.project_out(plain, x), 1, np.ones((2, 1)))
     # Samples are independent but for a correlation time that chance makes a little longer than a sample.
-    assert 0.0 < uncertainty.shrinkage(plain, uncertainty.project_out(plain, x), 1) == pytest.approx(expected, abs=0.02)
+    assert f == pytest.approx((before / after - 1.0) * 790, rel=0.15)
+    assert critical == pytest.approx(stats.f.isf(0.05, 1, 790), rel=0.01)
+
+
+def test_the_noise_of_one_joint_does_not_hide_an_effect_on_the_other():
+    rng = np.random.default_rng(2)
+    y, x = rng.normal(size=(2, 400, 9)), rng.normal(size=(2, 400, 1))
+    x[0] = 0.0
+    plain = regression_of(y, each(40.0, 1.0) * rng.normal(size=(2, 400)) + 0.2 * x[..., 0])
+    f, _ = uncertainty.f_statistic(plain, uncertainty.project_out(plain, x), 1, each(40.0, 1.0) ** -2.0)
+    rows = np.concatenate([y[1], x[1]], axis=-1)  # the joint by itself
+    before, after = (np.linalg.lstsq(rows[:, :k], plain.tau[1])[1][0] for k in (9, 10))
+    assert f == pytest.approx((before / after - 1.0) * 390, rel=0.2)

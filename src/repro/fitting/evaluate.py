@@ -31,7 +31,7 @@ from repro.fitting.text import FIXED, calibration_warnings, inconsistency, verdi
 from repro.identification.armfile import Arm
 from repro.identification.calibration import correct_calibration
 from repro.identification.excitation import MIN_TORQUE_FRACTION, torque_fraction
-from repro.identification.extra_terms import ROTOR, TERMS, term_columns, values_of
+from repro.identification.extra_terms import ROTOR, STRIBECK, TERMS, term_columns, values_of
 from repro.identification.filtering import FILTERS, SEGMENT, motion_cutoff, smooth_motion
 from repro.identification.least_squares import METHODS
 from repro.identification.log import period, segments, uniform
@@ -194,7 +194,8 @@ def assemble(problem: IdentificationProblem, fits: Sequence[Fit], arm: Arm) -> t
     recommended, reason = recommend(methods)
     best = [m.method for m in methods].index(recommended)
     excitation = _excitation(problem, betas[best])
-    filtering = (FILTERS[s.name].description, s.cutoff, why, s.delay, s.friction_steepness)
+    stribeck = s.stribeck_speed if any(term.kind == STRIBECK for term in problem.first.taken) else None
+    filtering = (FILTERS[s.name].description, s.cutoff, why, s.delay, s.friction_steepness, stribeck)
     prior = problem.prior
     known = [] if prior is None else zip(NAMES, prior.mean.tolist(), prior.sd.tolist(), strict=True)
     result = Result(

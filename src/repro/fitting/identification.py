@@ -160,8 +160,8 @@ class Identification:
 
     @property
     def _identified(self) -> IdentifiedArm:
-        terms = [term for term in self.details.terms if term.taken]
-        return IdentifiedArm(self.beta, self.details.preparation.friction_steepness, terms, self._load)
+        terms, s = [term for term in self.details.terms if term.taken], self.details.preparation
+        return IdentifiedArm(self.beta, s.friction_steepness, terms, self._load, stribeck_speed=s.stribeck_speed)
 
     def simulate(self, t: ArrayLike, tau: ArrayLike, q0: ArrayLike, dq0: ArrayLike) -> tuple[Array, Array]:
         """Integrate Eq. 1, with the terms that were subtracted, under a torque that is linear between samples.

@@ -21,11 +21,12 @@ from repro.identification.calibration import (
     find_calibration_errors,
 )
 from repro.identification.decimation import decimated
-from repro.identification.extra_terms import TERMS, ExtraTerm, find_terms, subtract_terms, term_columns, values_of
+from repro.identification.extra_terms import STRIBECK, TERMS, ExtraTerm, subtract_terms, term_columns, values_of
 from repro.identification.least_squares import METHODS
 from repro.identification.log import Log, period, recorded_period, uniform
 from repro.identification.regression import Prior, Regression, drop_idle_joints, drop_standstill, joined, solve
 from repro.identification.scores import unexplained
+from repro.identification.term_selection import choose_friction_curve, find_terms
 from repro.logs.conventions import smoothed
 from repro.logs.diagnostics import Description, describe, left_out_torque
 from repro.logs.load import Source, read_log
@@ -97,6 +98,11 @@ class PreparedLog:
     def without_standstill(self) -> Regression:
         """The regression without standstill."""
         return drop_standstill(self.regression)
+
+    @property
+    def corrected(self) -> Log:
+        """The log with calibration errors corrected and the torque of the terms beyond Eq. 1."""
+        return correct_calibration(self.recorded, values_of(self.calibration_errors))
 
     @property
     def taken(self) -> list[ExtraTerm]:
@@ -275,6 +281,13 @@ def _estimate_delay_again(logs: Sequence[PreparedLog], terms: Sequence[ExtraTerm
     return again if len(logs) == 1 else [log.delayed(*_common_delay(again)) for log in again]
 
 
+def _with_friction_curve(logs: Sequence[PreparedLog], steepness: Sequence[float]) -> list[PreparedLog]:
+    """Choose the speed of Stribeck friction and one of these values of lambda."""
+    best, speed = choose_friction_curve([(log.loaded.log, log.settings) for log in logs], steepness)
+    settings = [replace(log.settings, friction_steepness=best, stribeck_speed=speed) for log in logs]
+    return [log.change(log.loaded.log, settings=changed) for log, changed in zip(logs, settings, strict=True)]
+
+
 #: Relative error of an estimate that is compared with a prior, and smallest difference of squared errors that decides.
 COMPARED_ERROR, MIN_DECISIVE_DIFFERENCE = 0.05, 4.0
 
@@ -343,7 +356,12 @@ def prepare_logs(logs: Sequence[LoadedLog], arm: Arm, options: Options) -> tuple
         for k, log in enumerate(corrected):
             errors = blame_joint_1(log.calibration_errors)
             corrected[k] = log.change(correct_calibration(log.recorded, values_of(errors)), calibration_errors=errors)
+    if options.friction:
+        corrected = _with_friction_curve(corrected, [corrected[0].settings.friction_steepness])
     terms, load = _find_terms(corrected, options)
+    if arm.friction_steepness is None and any(term.taken and term.kind == STRIBECK for term in terms):
+        corrected = _with_friction_curve(corrected, filtering.STEEPNESS_GRID)
+        terms, load = _find_terms(corrected, options)
     if arm.delay is None and (taken := [term for term in terms if term.taken]):
         corrected = _estimate_delay_again(corrected, taken, load)
         terms, load = _find_terms(corrected, options)

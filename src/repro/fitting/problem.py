@@ -15,13 +15,12 @@ from repro.identification import uncertainty
 from repro.identification.armfile import Arm
 from repro.identification.calibration import CALIBRATION, correct_calibration
 from repro.identification.excitation import Identifiability, excitation
-from repro.identification.extra_terms import TERMS, subtract_terms, term_columns, values_of
+from repro.identification.extra_terms import subtract_terms, term_columns, values_of
 from repro.identification.filtering import prepare
 from repro.identification.log import Log
 from repro.identification.regression import Prior, Regression, joined, mean_variance, moving_fraction, solve
 from repro.identification.uncertainty import Perturbation, WeightedLog
 from repro.logs.conventions import smoothed
-from repro.model.parameters import Array
 
 #: Range of a joint in other logs over that in a log, below which they cannot predict it: there it only holds its place.
 MIN_RANGE_RATIO = 0.1
@@ -86,18 +85,6 @@ def _weights(logs: Sequence[PreparedLog]) -> list[float]:
     return [min(1.0, MAX_ERROR_RATIO * min(errors) / error) if error > 0.0 else 1.0 for error in errors]
 
 
-def _subtracted_columns(regression: Regression, logs: Sequence[tuple[WeightedLog, PreparedLog]]) -> Array:
-    """Compute the columns (2, n, k) of all terms that were subtracted from at least one of the joined logs."""
-    taken = list({term.name: term for _, prepared in logs for term in prepared.taken}.values())
-    if not taken:
-        return np.empty((*regression.tau.shape, 0))
-    columns = [
-        weighted.weight * term_columns(TERMS, weighted.log, weighted.settings, prepared.load, taken)
-        for weighted, prepared in logs
-    ]
-    return np.concatenate(columns, axis=1)
-
-
 def join_logs(logs: Sequence[PreparedLog], prior: Prior | None = None) -> tuple[Regression, dict[str, Perturbation]]:
     """Join several logs and a prior to one regression without standstill, and its perturbations."""
     regression, perturbations = _join_logs(logs, prior)
@@ -110,15 +97,15 @@ def _join_logs(logs: Sequence[PreparedLog], prior: Prior | None) -> tuple[Regres
     """Join several logs; the prior decides only which torque constant is wrong."""
     weights = _weights(logs)
     weighted = [
-        WeightedLog(log.loaded.log, log.settings, weight, moving_fraction(log.regression))
+        WeightedLog(log.corrected, log.settings, weight, moving_fraction(log.regression), log.taken, log.load)
         for log, weight in zip(logs, weights, strict=True)
     ]
     pairs = list(zip(weighted, logs, strict=True))
     # The values of what was subtracted have errors, so that its columns are projected out.
     unprojected = joined([log.without_standstill for log in logs], weights)
-    subtracted = _subtracted_columns(unprojected, pairs)
+    subtracted = uncertainty.columns_of_terms(weighted)
     regression = uncertainty.project_out(unprojected, subtracted)
-    perturbations = uncertainty.perturbations(weighted, unprojected, max(log.delay_error for log in logs))
+    perturbations = uncertainty.perturbations(weighted, regression, max(log.delay_error for log in logs))
     if any(log.calibration_errors for log in logs):
         beta = solve(regression.y, regression.tau)
         columns = [
@@ -128,8 +115,8 @@ def _join_logs(logs: Sequence[PreparedLog], prior: Prior | None) -> tuple[Regres
         columns_of_all = np.concatenate([subtracted, uncertainty.of_each_log(columns)], axis=-1)
         perturbations["calibration"] = Perturbation((uncertainty.project_out(unprojected, columns_of_all),))
         recorded = [replace(log, log=prepared.recorded) for log, prepared in pairs]
-        instead = uncertainty.unmodelled_effects(recorded, uncertainty.join_filtered(recorded), unprojected)
-        perturbations |= {f"{name}, no correction": effect for name, effect in instead.items()}
+        instead = uncertainty.unmodelled_effects(recorded, uncertainty.join_filtered(recorded), regression)
+        perturbations |= {f"{name}, no correction": effect for name, effect in instead.items() if effect.rival}
         factor = mean_scale(logs)
         if factor is not None and wrong_torque(prior, beta, factor) is None:
             scaled = regression.change(lambda y: y / factor)

@@ -87,6 +87,7 @@ class Preparation:
     cutoff_reason: str
     delay: float  # shift of the torque that fits the motion best, s; positive: it acts later than recorded
     friction_steepness: float  # lambda of Eq. 1, s/rad
+    stribeck_speed: float | None  # at which Stribeck friction has fallen to 1/e, rad/s; None if none is subtracted
     rate: float  # rate of the samples that methods see, Hz
     samples: int  # their number
     cut: float  # length left out at each end, s

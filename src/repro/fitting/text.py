@@ -10,7 +10,15 @@ from repro.fitting.prepare import PreparedLog
 from repro.fitting.result import Result, Score, SelfTest
 from repro.identification.armfile import Arm
 from repro.identification.calibration import CALIBRATION, OTHER_SCALE, SCALE, CalibrationError, blame_joint_1
-from repro.identification.extra_terms import MIN_Z_SCORE, ROTOR, UNMODELLED_EFFECTS, ExtraTerm, values_of
+from repro.identification.extra_terms import (
+    LOAD,
+    MIN_Z_SCORE,
+    ROTOR,
+    STRIBECK,
+    UNMODELLED_EFFECTS,
+    ExtraTerm,
+    values_of,
+)
 from repro.identification.filtering import MIN_ERROR_REDUCTION
 from repro.logs.conventions import READS_BETTER
 from repro.model.parameters import NAMES, SIGNED, Array, has_possible_signs
@@ -192,10 +200,11 @@ def _with_unit(size: str, unit: str) -> str:
     return f"{size} {unit.removesuffix('s') if size in ('1', '-1') else unit}"
 
 
-def term_line(term: ExtraTerm) -> str:
+def term_line(term: ExtraTerm, stribeck_speed: float | None = None) -> str:
     """Report a term that Eq. 1 does not contain."""
     kind, joint = term.kind, term.name[-1]
-    what = {"load": "of its load", "stribeck": "N m more at rest", ROTOR: "kg m^2, next to I3"}[kind]
+    at_rest = "N m more at rest" + (f", 1/e of it at {stribeck_speed:.2g} rad/s" if stribeck_speed else "")
+    what = {LOAD: "of its load", STRIBECK: at_rest, ROTOR: "kg m^2, next to I3"}[kind]
     of = "inertia of the rotor" if kind == ROTOR else "friction beyond Eq. 1"
     size = f"{of} of joint {joint}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "it is subtracted, which reduces" if term.taken else "it is not subtracted; that would reduce"
@@ -272,7 +281,8 @@ def summary(result: Result) -> str:
     lines += [f"  {p.name} = {p.estimate:.4g} {p.unit}: {p.verdict}" for p in best.parameters]
     if best.claims_intervals:
         lines.append(f"  {ALLOWED_GROUPS} (in full: report.html)")
-    lines += [f"  {term_line(term)}" for term in result.terms if term.taken]
+    speed = result.preparation.stribeck_speed
+    lines += [f"  {term_line(term, speed)}" for term in result.terms if term.taken]
     lines += [f"  {line}" for line in export_lines(result)]
     lines += [f"  {line}" for line in detection_limits(result)]
     lines.append("torque error, relative RMS of joint 1 / joint 2 in % (re-simulated position in windows of 0.5 s):")

@@ -18,23 +18,25 @@ from repro.identification.extra_terms import (
     N_NINE,
     Term,
     TermKind,
-    best_subset,
-    cross_validation_error,
-    detection_limits,
-    fit_with_errors,
-    nine_and,
     offset,
     one_joint,
-    other_rows,
     term_columns,
     term_names,
     torque_friction,
-    weighted_rows,
     zero_position,
 )
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
 from repro.identification.log import Log, cached_per_log
 from repro.identification.regression import Regression, drop_standstill, solve
+from repro.identification.term_selection import (
+    best_subset,
+    cross_validation_error,
+    detection_limits,
+    fit_with_errors,
+    nine_and,
+    other_rows,
+    weighted_rows,
+)
 from repro.model.parameters import Array
 
 MAX_ITERATIONS, MAX_LAST_STEP = 8, 0.1  # most iterations of Gauss-Newton, and step in standard errors at which they end

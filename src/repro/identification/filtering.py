@@ -119,6 +119,7 @@ class FilterSettings:
     width: float = 4.0  # half-power frequency of the motion's own filter over `cutoff`
     delay: float = 0.0  # the torque acts this much later than it was recorded, s
     friction_steepness: float = LAMBDA  # lambda of Eq. 1, s/rad
+    stribeck_speed: float = 0.5  # at which Stribeck friction has fallen to 1/e of its value at rest, rad/s
     cut: float = 0.3  # length left out at each end, s
     samples_per_cycle: float = 8.0  # samples kept in a period of the cut-off: more would be redundant
     even_odd: bool = True  # whether a method needs `Regression.even_odd`

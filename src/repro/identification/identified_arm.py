@@ -35,6 +35,7 @@ class IdentifiedArm:
     terms: Sequence[ExtraTerm] = ()  # beyond Eq. 1
     load: Array | None = None  # parameters (9,) that give the load of friction; those of the arm without
     calibration: Mapping[str, float] = field(default_factory=dict)  # errors of the log that records, by name
+    stribeck_speed: float | None = None  # at which Stribeck friction has fallen to 1/e, rad/s
 
     def torque(self, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike) -> Array:
         """Compute the torque (..., 2, N) that the log would record along a motion as it records it."""
@@ -44,6 +45,8 @@ class IdentifiedArm:
             for name, kind in CALIBRATION.items()
         )
         settings = FilterSettings(friction_steepness=self.friction_steepness)
+        if self.stribeck_speed is not None:
+            settings = replace(settings, stribeck_speed=self.stribeck_speed)
         load = self.beta if self.load is None else self.load
         along = SmoothLog((recorded + zero, dq, ddq), np.zeros_like(dq), load, np.nan, settings)
         torque = along.y @ self.beta

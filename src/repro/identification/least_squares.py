@@ -70,11 +70,11 @@ def ordinary(regression: Regression) -> Estimate:
 @with_known
 def weighted(regression: Regression) -> Estimate:
     """Minimise each joint's errors in units of their own standard deviation (Swevers and others)."""
-    beta, size = _weighted_fit(regression)
+    beta, size = weighted_fit(regression)
     return Estimate(beta, (_weights_note(size),))
 
 
-def _weighted_fit(regression: Regression) -> tuple[Array, Array]:
+def weighted_fit(regression: Regression) -> tuple[Array, Array]:
     """Compute weighted parameters (9,) and the size (2, 1) of each joint's torque errors, N m."""
     beta = solve(regression.y, regression.tau, prior=regression.prior)
     for _ in range(WEIGHTED_ITERATIONS):
@@ -239,7 +239,7 @@ def _binding_note(binding: bool) -> str:
 @with_known
 def weighted_consistent(regression: Regression) -> Estimate:
     """Solve weighted least squares under the conditions of `consistent`."""
-    size = _weighted_fit(regression)[1]
+    size = weighted_fit(regression)[1]
     beta, binding = solve_consistent(*reduced_problem(regression, size), regression.known)
     return Estimate(beta, (_weights_note(size), _binding_note(binding)))
 
@@ -260,7 +260,7 @@ def parsimonious(regression: Regression) -> Estimate:
 def refit_parsimonious(regression: Regression, penalty: float) -> Array:
     """Compute consistent parameters (9,) under a given penalty rho."""
     rest = without_known(regression)
-    return _shrunk(reduced_problem(rest, _weighted_fit(rest)[1]), penalty, rest.known)
+    return _shrunk(reduced_problem(rest, weighted_fit(rest)[1]), penalty, rest.known)
 
 
 def _shrunk(problem: tuple[Array, Array, Array], penalty: float, known: Array) -> Array:
@@ -278,7 +278,7 @@ def _cross_validation_errors(regression: Regression) -> Array:
     errors = []
     for inside in np.split(samples, np.linspace(0, samples.size, BLOCKS + 1).astype(int)[1:-1]):
         rest, block = regression.take(np.delete(samples, inside)), regression.take(inside)
-        problem = reduced_problem(rest, _weighted_fit(rest)[1])
+        problem = reduced_problem(rest, weighted_fit(rest)[1])
         residuals = (block.tau - block.y @ _shrunk(problem, penalty, rest.known) for penalty in PENALTIES)
         errors.append([np.sum(np.mean(error**2, axis=-1) / energy) for error in residuals])
     return np.stack(errors, axis=1)

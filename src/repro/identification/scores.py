@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from repro.identification.extra_terms import cross_validation_error, weighted_rows
 from repro.identification.filtering import FilterSettings, smooth_motion
 from repro.identification.log import Log, period
 from repro.identification.regression import Regression
+from repro.identification.term_selection import cross_validation_error, weighted_rows
 from repro.model.dynamics import check_motion, forward_dynamics, rebuild_torque
 from repro.model.parameters import Array, is_positive_definite
 from repro.signals.metric import UNIT_FREE_METRIC, MetricSettings, metr2ev

@@ -7,7 +7,9 @@ uncertainties are combined; docs/explanation/methods-and-intervals.md describes 
 - Type B: root mean square shift of the estimate under `perturbations`. With the columns of an effect projected out of
   torque and regressor, any method gives the parameters that it would give with them in its model (Frisch, Waugh and
   Lovell). The squared shift is multiplied by the positive-part shrinkage factor 1 - c / F (Baranchik 1970) with the
-  critical value c of the F-test. The largest shift a counts, by the variance a^2 / 3 of a rectangular distribution.
+  critical value c of the F-test. The largest shift a counts, by the variance a^2 / 3 of a rectangular distribution. An
+  effect that is certainly there needs no test and is no rival: a^2 (1 + 1 / F), with the variance of the shift itself.
+  Terms that were subtracted from the torque are fitted again next to every perturbation.
 - Bias by errors of the motion, estimated by SIMEX. It widens the interval and does not move the estimate.
 
 Sampling and type B add up to the standard error. For the interval each is multiplied by Student's t of its own degrees
@@ -23,11 +25,25 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, hadamard
 from scipy.special import fdtri, stdtrit
 
-from repro.identification.extra_terms import EFFECTS_PER_LOG, MAX_TORQUE_SHARE, UNMODELLED_EFFECTS, filtered_columns
+from repro.identification.extra_terms import (
+    CERTAIN_EFFECTS,
+    EFFECTS_PER_LOG,
+    MAX_TORQUE_SHARE,
+    N_NINE,
+    STRIBECK,
+    STRIBECK_FACTORS,
+    TERMS,
+    UNMODELLED_EFFECTS,
+    ExtraTerm,
+    filtered_columns,
+    term_columns,
+)
 from repro.identification.filtering import FilterSettings, prepare
+from repro.identification.least_squares import weighted_fit
 from repro.identification.log import Log
 from repro.identification.method import Estimate, Method, NoSolutionError
 from repro.identification.regression import (
+    RANK_TOLERANCE,
     Prior,
     Regression,
     correlation_time,
@@ -54,7 +70,7 @@ class Perturbation:
     """A choice of the analysis made differently."""
 
     regressions: tuple[Regression, ...]  # one for each way to make it
-    weight: float = 1.0  # factor on the squared shift of an estimate, 0 to 1
+    weight: float = 1.0  # factor on the squared shift of an estimate
     rival: bool = False  # whether it explains the same residual as other rivals, of which the largest shift counts
 
 
@@ -82,7 +98,8 @@ def project_out(regression: Regression, columns: Array) -> Regression:
         return regression
     x = (columns * regression.mask[..., np.newaxis]).reshape(-1, columns.shape[-1])
     size = np.linalg.norm(x, axis=0)
-    basis, _ = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
+    basis, triangle = np.linalg.qr(x[:, size > 0.0] / size[size > 0.0])
+    basis = basis[:, np.abs(np.diag(triangle)) > RANK_TOLERANCE]  # a column that others contain adds noise
 
     def remainder(part: Array) -> Array:
         flat = part.reshape(basis.shape[0], -1)
@@ -91,33 +108,50 @@ def project_out(regression: Regression, columns: Array) -> Regression:
     return regression.change(remainder, tau=remainder(regression.tau))
 
 
-def shrinkage(plain: Regression, projected: Regression, k: int) -> float:
-    """Compute max(0, 1 - c / F) of the shift that k projected columns cause, by the F-test over independent samples."""
-    errors = [r.tau - r.y @ solve(r.y, r.tau) for r in (plain, projected)]
-    weight = 1.0 / np.maximum(np.sum(errors[0] ** 2, axis=-1, keepdims=True), np.finfo(np.float64).tiny)
+def f_statistic(plain: Regression, projected: Regression, k: int, weight: Array) -> tuple[float, float]:
+    """Compute F of k projected columns over independent samples, 0 without any sign of them, and its critical value.
+
+    The weight (2, 1) of each joint's squared errors keeps those of one from hiding an effect on the other.
+    """
+    errors = [r.tau - r.y @ solve(r.y, r.tau, weight) for r in (plain, projected)]
     before, after = (float(np.sum(weight * error**2)) for error in errors)
     freedom: float = errors[0].size * plain.h / correlation_time(errors[0], plain.h) - plain.y.shape[-1] - k
     if not 0.0 < after < before or freedom <= 0.0:
-        return 0.0
-    ratio = (before - after) / after * freedom / k
-    return max(0.0, 1.0 - float(fdtri(k, freedom, 1.0 - F_TEST_LEVEL)) / ratio)
+        return 0.0, np.inf
+    return (before - after) / after * freedom / k, float(fdtri(k, freedom, 1.0 - F_TEST_LEVEL))
 
 
 @dataclass(frozen=True)
 class WeightedLog:
-    """A log of an arm among others, and how it is filtered."""
+    """A log of an arm among others, how it is filtered, and what is fitted next to the nine parameters."""
 
-    log: Log
+    log: Log  # with the torque of the terms
     settings: FilterSettings
     weight: float = 1.0  # factor on its rows
     moving: Array | None = None  # fraction of time that each joint moves (2, 1), whatever another filter makes of noise
+    terms: Sequence[ExtraTerm] = ()  # of all logs
+    load: Array | None = None  # parameters (9,) that give the load of friction
+
+
+def columns_of_terms(logs: Sequence[WeightedLog]) -> Array:
+    """Compute the columns (2, n, k) of the terms of joined logs."""
+    parts = []
+    for log in logs:
+        beta = np.zeros(N_NINE) if log.load is None else log.load
+        parts.append(log.weight * term_columns(TERMS, log.log, log.settings, beta, log.terms))
+    return np.concatenate(parts, axis=1)
 
 
 def join_filtered(
-    logs: Sequence[WeightedLog], cutoff: float = 1.0, width: float = 1.0, later: float = 0.0, steeper: float = 1.0
+    logs: Sequence[WeightedLog],
+    cutoff: float = 1.0,
+    width: float = 1.0,
+    later: float = 0.0,
+    steeper: float = 1.0,
+    stribeck: float = 1.0,
 ) -> Regression:
-    """Join logs without standstill, with factors on filters and lambda, and torque that acts `later`, s."""
-    parts = []
+    """Join logs without standstill or terms, with factors on settings, and torque that acts `later`, s."""
+    parts, filtered = [], []
     for log in logs:
         changed = replace(
             log.settings,
@@ -125,9 +159,12 @@ def join_filtered(
             width=log.settings.width * width / cutoff,
             delay=log.settings.delay + later,
             friction_steepness=log.settings.friction_steepness * steeper,
+            stribeck_speed=log.settings.stribeck_speed * stribeck,
         )
         parts.append(drop_standstill(prepare(log.log, changed), log.moving))
-    return joined(parts, [log.weight for log in logs])
+        filtered.append(replace(log, settings=changed))
+    regression = joined(parts, [log.weight for log in logs])
+    return project_out(regression, columns_of_terms(filtered)) if logs[0].terms else regression
 
 
 def of_each_log(parts: Sequence[Array]) -> Array:
@@ -139,7 +176,8 @@ def unmodelled_effects(
     logs: Sequence[WeightedLog], regression: Regression, plain: Regression
 ) -> dict[str, Perturbation]:
     """Add the columns of each of `UNMODELLED_EFFECTS` to logs, weighted against the regression of the estimate."""
-    beta = solve(regression.y, regression.tau)
+    beta, always = solve(regression.y, regression.tau), columns_of_terms(logs)
+    weight = weighted_fit(plain)[1] ** -2.0
     all_forms = [form for forms in UNMODELLED_EFFECTS.values() for form in forms]
     columns_of_logs = [
         [log.weight * columns for columns in filtered_columns(all_forms, log.log, log.settings, beta)] for log in logs
@@ -149,12 +187,17 @@ def unmodelled_effects(
     for name, forms in UNMODELLED_EFFECTS.items():
         parts = [next(columns_of_forms) for _ in forms]
         columns = [of_each_log(part) if name in EFFECTS_PER_LOG else np.concatenate(part, axis=1) for part in parts]
-        projected = [project_out(regression, form) for form in columns]
-        weights = [shrinkage(plain, r, form.shape[-1]) for r, form in zip(projected, columns, strict=True)]
+        projected = [project_out(regression, np.concatenate([always, form], axis=-1)) for form in columns]
+        tests = [f_statistic(plain, r, form.shape[-1], weight) for r, form in zip(projected, columns, strict=True)]
+        weights = [max(0.0, 1.0 - critical / f) if f > 0.0 else 0.0 for f, critical in tests]
         best = int(np.argmax(weights))
-        if name in MAX_TORQUE_SHARE and weights[best] > 0.0:
-            extended = np.concatenate([regression.y, columns[best]], axis=-1)
-            torque = columns[best] @ solve(extended, regression.tau)[len(beta) :]
+        extended = np.concatenate([regression.y, always, columns[best]], axis=-1)
+        sizes = solve(extended, regression.tau, weight)[-columns[best].shape[-1] :]
+        if name in CERTAIN_EFFECTS and tests[best][0] > 0.0 and (sizes > 0.0).all():
+            results[name] = Perturbation((projected[best],), 1.0 + 1.0 / tests[best][0])
+            continue
+        if name in MAX_TORQUE_SHARE:
+            torque = columns[best] @ sizes
             largest, most = np.abs(torque).max(axis=-1), MAX_TORQUE_SHARE[name] * np.abs(regression.tau).max(axis=-1)
             weights[best] *= float(np.min(np.divide(most, largest, out=np.ones(2), where=largest > most))) ** 2
         results[name] = Perturbation((projected[best],), weights[best], rival=True)
@@ -168,6 +211,9 @@ def perturbations(logs: Sequence[WeightedLog], plain: Regression, delay_error: f
         results["delay"] = Perturbation(tuple(join_filtered(logs, later=by) for by in (-delay_error, delay_error)))
     steeper = tuple(join_filtered(logs, steeper=factor) for factor in STEEPNESS_FACTORS)
     results["lambda"] = Perturbation(steeper, 1.0 / 3.0)  # a rectangular distribution, as of an unmodelled effect
+    if any(term.kind == STRIBECK for term in logs[0].terms):
+        speeds = tuple(join_filtered(logs, stribeck=factor) for factor in STRIBECK_FACTORS)
+        results["speed of Stribeck friction"] = Perturbation(speeds, 1.0 / 3.0)
     return results | unmodelled_effects(logs, plain, plain) | {SIMEX: Perturbation((simex(plain),))}
 
 
