@@ -37,7 +37,7 @@ IN_A_ROW = 0.5
 #: A table with more rows than the first number is kept as about the second number of them.
 LONG, ROWS = 1000, 60
 #: Tables whose arms are simulated again, whose loops may be chaotic (docs/numbers.md).
-SIMULATED_AGAIN = ("spread/", "tables/verdict", "figures/spread", "study/", "tables/study", "figures/study")
+SIMULATED_AGAIN = ("accepted/", "tables/verdict", "figures/spread", "study/", "tables/study", "figures/study")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 #: A spread of a few seeds in a cell of a page, and its largest difference: 0.15 was measured between two processors.
 SPREAD_IN_A_CELL = re.compile(r"(?:±|\\pm)\s*(" + NUMBER.pattern + ")")

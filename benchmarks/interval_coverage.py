@@ -163,7 +163,11 @@ def main() -> None:
     parser.add_argument("--method", choices=METHODS, default="weighted-consistent")
     args = parser.parse_args()
     cells = [(g, kind) for g in args.generator for kind in args.kind if kind in GENERATORS[g][1]]
-    rows = pd.DataFrame(row for cell in cells for row in rows_of(*cell, args.arms, args.method))
+    rows = []
+    for generator, kind in cells:
+        print(f"{generator}, {planar_arms.KINDS[kind]}: {args.arms} arms", file=sys.stderr)
+        rows += rows_of(generator, kind, args.arms, args.method)
+    rows = pd.DataFrame(rows)
     args.out.mkdir(parents=True, exist_ok=True)
     table = summary(rows)
     rows.to_csv(args.out / "intervals.csv", index=False, float_format="%.6g")

@@ -7,7 +7,7 @@ spoilt in sixteen ways; the others stay as they are.
 import argparse
 import os
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -49,35 +49,68 @@ def spoilt(told: LoadedLog, wrong: dict[str, float]) -> tuple[LoadedLog, dict[st
     return replace(told, log=replace(zeros, tau=tau)), sizes
 
 
-def found(logs: list[LoadedLog]) -> tuple[dict[str, float], dict[str, float]]:
-    """Faults of the first log with its delay, and what it can hardly tell them from."""
+@dataclass(frozen=True)
+class Found:
+    """What the first log of an arm is said to contain."""
+
+    named: dict[str, float]  # calibration errors that are corrected, and the delay
+    instead: dict[str, float]  # errors that would explain the log nearly as well
+    limits: dict[str, float | None]  # detection limits of the others; None: an error of any size could be hidden
+
+    @property
+    def said(self) -> dict[str, float]:
+        """All errors that the output names."""
+        return self.instead | self.named
+
+    def announces(self, name: str, size: float) -> bool:
+        """Whether the output states that an error as large as this one could be hidden."""
+        limit = self.limits.get(name, 0.0)
+        return limit is None or abs(size - (1.0 if name.startswith("scale") else 0.0)) <= limit
+
+
+def found(logs: list[LoadedLog]) -> Found:
+    """Identify logs of one arm."""
     first = make_problem(logs, (), Arm(), OPTIONS).logs[0]
     named = {error.name: error.value for error in first.calibration_errors} | {"delay": first.settings.delay}
-    return named, {name: x for error in first.calibration_errors for name, x in error.instead.items()}
+    instead = {name: x for error in first.calibration_errors for name, x in error.instead.items()}
+    return Found(named, instead, first.calibration_limits)
 
 
-def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) -> tuple[str, str, bool, bool]:
-    """What was put into which log, what came of it, whether it is named, and whether its size is within 20 %."""
+@dataclass(frozen=True)
+class Trial:
+    """What came of the errors put into a log."""
+
+    told: str  # log and errors
+    outcome: str  # what the output says
+    named: bool
+    close: bool  # whether each size is within 20 %
+    announced: bool  # whether each error that is not named is at most the stated detection limit
+
+
+def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) -> Trial:
+    """Put errors into one of the logs."""
     which, wrong = job
     logs = [load_log(file, Arm()) for file in [files[which], *files[:which], *files[which + 1 :]]]
     logs = logs if beside else logs[:1]
-    before, _ = found(logs)
+    before = found(logs).named
     logs[0], sizes = spoilt(logs[0], wrong)
-    named, instead = found(logs)
-    said = instead | named
-    off = {}
+    result = found(logs)
+    said, true, off = result.said, dict[str, float](), dict[str, float]()
     for name, size in sizes.items():
         if name == "scale2":
-            true = reach = size * before.get(name, 1.0)
+            true[name] = reach = size * before.get(name, 1.0)
         else:
-            true, reach = size + before.get(name, 0.0), abs(size)
-        off[name] = abs(said[name] - true) / reach if name in said else np.inf
+            true[name], reach = size + before.get(name, 0.0), abs(size)
+        off[name] = abs(said[name] - true[name]) / reach if name in said else np.inf
     # A delay is said in any case: it counts where it is half right, or at the end of what is looked at.
     at_end = abs(said["delay"]) >= 0.99 * MAX_DELAY
-    reached = all(x < (0.5 if name == "delay" and not at_end else np.inf) for name, x in off.items())
-    told = ", ".join(f"{name} {x:.3g}" for name, x in sizes.items())
-    outcome = ", ".join(f"{name} {x:.3g}" for name, x in said.items()) or "nothing"
-    return f"{files[which].name}: {told}", outcome, reached, all(x < 0.2 for x in off.values())
+    return Trial(
+        told=f"{files[which].name}: " + ", ".join(f"{name} {x:.3g}" for name, x in sizes.items()),
+        outcome=", ".join(f"{name} {x:.3g}" for name, x in said.items()),
+        named=all(x < (0.5 if name == "delay" and not at_end else np.inf) for name, x in off.items()),
+        close=all(x < 0.2 for x in off.values()),
+        announced=all(result.announces(name, x) for name, x in true.items() if name not in said or name == "delay"),
+    )
 
 
 def main() -> None:
@@ -89,11 +122,15 @@ def main() -> None:
     jobs = [(which, wrong) for which in range(args.spoil or len(args.logs)) for wrong in WRONG]
     for beside in (False, True)[: len(args.logs)]:
         with ProcessPoolExecutor(2) as pool:
-            results = list(pool.map(partial(tried, files=args.logs, beside=beside), jobs))
-        for told, outcome, named, _ in results:
-            print(*([] if named else [f"  not named: {told}; said: {outcome}\n"]), end="")
-        named, close = (sum(row[k] for row in results) for k in (2, 3))
-        print(f"{'beside the others' if beside else 'alone'}: {named} of {len(results)} named, {close} within 20 %")
+            trials = list(pool.map(partial(tried, files=args.logs, beside=beside), jobs))
+        missed = [trial for trial in trials if not trial.named]
+        for trial in missed:
+            limit = "; below the stated limit" if trial.announced else ""
+            print(f"  not named: {trial.told}; said: {trial.outcome}{limit}")
+        named, close = sum(trial.named for trial in trials), sum(trial.close for trial in trials)
+        below = sum(trial.announced for trial in missed)
+        print("beside the others" if beside else "alone", end=": ")
+        print(f"{named} of {len(trials)} named, {close} within 20 %; {below} of the others below the stated limit")
 
 
 if __name__ == "__main__":

@@ -209,7 +209,7 @@ def test_a_port_is_recorded_from_and_the_recording_kept(tmp_path):
         (["validate_run.csv", "-o", "out"], "validate_run.csv", "no such file"),
         (["log.csv", "-o", "out", "--validate", "copy.csv"], "--validate: copy.csv", "the samples of log.csv"),
         (["log.csv", "copy.csv", "-o", "out"], "copy.csv", "the samples of log.csv"),
-        (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "method", ""),
+        (["log.csv", "short.csv", "-o", "out", "--method", "algorithm1"], "--method", ""),
         (["log.csv", "-o", "out", "--method", "algorithm1", "--cache", "log.csv"], "--cache: log.csv", ""),
     ],
 )

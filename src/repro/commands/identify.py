@@ -92,7 +92,8 @@ def run(arguments: argparse.Namespace) -> int:
         for option, given in (("--trajectory", arguments.trajectory), ("--config", arguments.config)):
             if given not in (None, default_config()):
                 raise InputError.at(option, repr(str(given)), "none, or the port of a board to record from")
-    choose_methods(method, len(arguments.logs), arguments.self_test)  # before minutes of recording
+    with options_named("method", "self_test"):  # before minutes of recording
+        choose_methods(method, len(arguments.logs), arguments.self_test)
     same = (
         "validate",
         "arm",
@@ -106,7 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
         "steps",
         "cache",
     )
-    with warnings.catch_warnings(), options_named("cutoff", "method", "method Algorithm 1", "validate", "cache"):
+    with warnings.catch_warnings(), options_named("cutoff", "method Algorithm 1", "validate", "cache"):
         sources = [_source(arguments, place) for place in range(len(arguments.logs))]
         warnings.simplefilter("ignore", UserWarning)  # they are printed with the result
         result = identify(sources, method=method, **{name: getattr(arguments, name) for name in same})

@@ -72,4 +72,5 @@ def options_named(*names: str) -> Iterator[None]:
         yield
     except InputError as error:
         argument = error.place.partition(":")[0] in names  # a log may have the name of an option
-        raise InputError.at(f"{'--' * argument}{error.place}", error.found, error.expected) from error
+        place = f"--{error.place.replace('_', '-')}" if argument else error.place
+        raise InputError.at(place, error.found, error.expected) from error

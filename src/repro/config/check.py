@@ -1,4 +1,4 @@
-"""Check a configuration: its values against `repro.config_model`, and against each other."""
+"""Check a configuration: its values against `repro.config.model`, and against each other."""
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
