@@ -7,3 +7,6 @@ for (const table of document.querySelectorAll(".md-typeset table:not([class])"))
   for (const row of table.querySelectorAll("tbody tr"))
     [...row.cells].forEach((cell, k) => (cell.dataset.heading = headings[k]));
 }
+// Two blanks within a line of printed text are the space between columns.
+for (const text of document.querySelectorAll(".md-typeset .language-text code"))
+  if (/\S {2,}\S/.test(text.textContent)) text.dataset.columns = "";
