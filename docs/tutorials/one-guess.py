@@ -62,7 +62,8 @@ for name, parameters in {"guess": guess, "corrected": corrected}.items():
     print(f"{name:10}", scores[name].round(1))
 
 # %%
-figure, axes = plt.subplots(1, 4, figsize=(13, 3.2), layout="constrained")
+figure, grid = plt.subplots(2, 2, figsize=(7.2, 6.4), layout="constrained")
+axes = grid.ravel()
 for axis, channel, title in zip(axes, image, ("image, channel 1", "image, channel 2"), strict=False):
     axis.imshow(channel, cmap="viridis")
     axis.set(title=title, xlabel="sample of the torque", ylabel="sample of the guess")
