@@ -94,6 +94,7 @@ def draw_effects(frame: pd.DataFrame) -> Figure:
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
         axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=label)
         axes.axvline(0.0, color="0.6", lw=0.6)
+        axes.margins(x=0.05)  # no interval may seem cut
         axes.set(title=title, xlabel="Effect (points of per cent)")
         axes.grid(visible=False, axis="y")
     panels[0].set_yticks(range(len(names)), labels=names)

@@ -171,7 +171,7 @@ def draw_map(frame: pd.DataFrame) -> Figure:
         for (i, j), value in np.ndenumerate(100.0 * mean):
             if np.isfinite(value):
                 colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
-                text = f"{value:.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
+                text = f"{value:z.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
                 axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
         axes.set_xticks(range(len(levels)), labels=[f"{100 * level:g}" for level in levels])
         axes.set_yticks(range(len(order)), labels=[labels[row] for row in order])
