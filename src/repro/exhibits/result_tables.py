@@ -81,5 +81,7 @@ def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Tab
 
 
 def percent_interval(row: Mapping[Hashable, Any]) -> Text:
-    """Cell of an interval in per cent."""
+    """Cell of an interval in per cent; none if it cannot be computed."""
+    if pd.isna(row["low"]):
+        return plain("none")
     return plain(f"{100.0 * row['low']:.2f} to {100.0 * row['high']:.2f}")

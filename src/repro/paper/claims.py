@@ -284,7 +284,7 @@ def markdown(claims: pd.DataFrame, specific: pd.DataFrame) -> str:
     differing = claims[claims["verdict"] == DIFFERS]
     for name, cause in causes().items():
         if len(own := differing[differing["cause"] == name]):
-            why = f"{cause['why']} Evidence: {cause['evidence']}."
+            why = f"{cause['why']} Evidence: docs/{cause['evidence']}."
             blocks += [f"### {cause['title']}", why, _table_of_claims(own)]
     blocks.append("## Every number")
     for place in dict.fromkeys(claims["place"]):

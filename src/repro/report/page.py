@@ -6,6 +6,7 @@ import platform
 import re
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -163,6 +164,8 @@ _ID = re.compile(r"[\w./+:,()@-]+")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _NO_UNIT = ("", "1", "-", "not printed")
 _MINUS = "\N{MINUS SIGN}"
+#: What begins a negative number within a text.
+_HYPHEN = re.compile(r"(?<!\w)-(?=\d)")
 
 
 @dataclass(frozen=True)
@@ -317,6 +320,7 @@ def build_report(inputs: ReportInputs) -> str:
     style, script = (Markup((_TEMPLATES / name).read_text("utf-8")) for name in ("report.css", "report.js"))
     templates = environment(_TEMPLATES)
     templates.filters["slug"] = lambda text: "-".join(str(text).split())
+    templates.filters["minus"] = partial(_HYPHEN.sub, _MINUS)
     templates.filters["lower_first"] = _within_a_sentence
     differing = [claim for claim in claims if claim["verdict"] == DIFFERS]
     causes_by_name = causes()
