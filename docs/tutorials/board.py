@@ -60,9 +60,9 @@ show(slow)
 
 # %% [markdown]
 # Eq. 10 is a slow motion of 10 s. It excites gravity and friction, and hardly inertia: the interval of I2 contains
-# zero. b1 and k1 replace each other, because the arm has Stribeck friction, which Eq. 1 does not model. All intervals
-# but that of k2 contain the true value: joint 2 has friction that grows with its torque, and the intervals do not allow
-# for that.
+# zero. The arm has Stribeck friction, which Eq. 1 does not model. The tool finds that of joint 1 and subtracts it. All
+# intervals but that of k2 contain the true value: joint 2 has friction that grows with its torque, and the intervals do
+# not allow for that.
 #
 # ## What to excite
 #
@@ -98,8 +98,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The torque errors on T2 are not smaller, because the friction of ID contains
-# some of the further friction, which T2 has, too:
+# The parameters are nearer to the truth. The torque errors on T2 are only a little smaller, because T2 has friction and
+# ripple that neither fit contains:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():
@@ -107,4 +107,4 @@ for name, result in {"ID": slow, "excited": fast}.items():
     print(f"{name}: {(100 * errors['relative_rms']).round(1).tolist()} % of joints 1 and 2")
 
 # %% [markdown]
-# For the arm's parameters, excite all nine. For predicting one kind of motion, log that kind.
+# For the arm's parameters, excite all nine.

@@ -115,7 +115,7 @@ for name, ours, theirs in zip(found.index, found["estimate"], owners, strict=Tru
     print(f"{name}: {ours:.4f}, owners {theirs:.4f}, {inside} the interval")
 
 # %% [markdown]
-# Four of five intervals contain the owners' values. The interval of g1 ends 4 % below: the intervals do not allow for a
+# Four of five intervals contain the owners' values. The interval of g1 ends 3 % below: the intervals do not allow for a
 # wrong form of the friction that was subtracted. With `friction=False` they are wider, and all five contain the values.
 #
 # `result.save("mine/real")` writes tables, a report for the browser, and the arm as URDF and MJCF.

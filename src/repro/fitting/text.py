@@ -240,7 +240,8 @@ def _limit(kind: str, size: float | None) -> str:
     if size is None:
         return "of any size"
     factor, unit = {"zero": (float(np.degrees(1.0)), "degrees"), "offset": (1.0, "N m"), "scale": (100.0, "%")}[kind]
-    return f"up to {_with_unit(f'{factor * size:.2g}', unit)}"
+    digits = float(f"{factor * size:.2g}")  # as a number, it is written without an exponent
+    return f"up to {_with_unit(f'{digits:g}', unit)}"
 
 
 def spread_rows(result: Result) -> list[tuple[str, ...]]:

@@ -31,7 +31,7 @@ from repro.identification.extra_terms import (
 )
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
 from repro.identification.log import Log
-from repro.identification.regression import Regression, correlation_time, drop_standstill, joined, joint_variance, solve
+from repro.identification.regression import Regression, correlation_time, drop_standstill, joined, solve
 from repro.model.parameters import Array
 
 BLOCKS = 6  # blocks of the log in cross-validation
@@ -219,7 +219,10 @@ def choose_friction_curve(
     for (log, settings), (k, lam) in product(logs, enumerate(steepness)):
         changed = replace(settings, friction_steepness=lam)
         r = drop_standstill(prepare(log, changed, even_odd=False))
-        weight = 1.0 / joint_variance(r, solve(r.y, r.tau))
+        energy = np.mean(r.tau**2, axis=-1, keepdims=True)
+        weight = np.divide(
+            1.0, energy, out=np.zeros_like(energy), where=energy > 0.0
+        )  # a joint without a drive has none
         always, rotor, *of_speeds = filtered_columns(makes, log, changed, solve(r.y, r.tau))
         for n, columns in enumerate(of_speeds):
             more = np.concatenate([always, rotor, columns], axis=-1) * r.mask[..., np.newaxis]
