@@ -1,6 +1,6 @@
 """Coverage of the 95 % intervals of `repro identify` by kind of unmodelled effect, for two generators of arms.
 
-Usage: ``python benchmarks/interval_coverage.py [--arms 40] [--out FOLDER] [--kind KIND ...]``; half an hour on one core.
+Usage: ``python benchmarks/interval_coverage.py [--arms 40] [--out FOLDER] [--kind KIND ...]``; half an hour.
 Generator `board` is the simulated board behind its controller, with arms near `board_arms.ARM`. Generator `planar`
 (`planar_arms.py`) shares no code with the package. Every kind uses the same arms and motions. A coverage is the mean
 over arms of the share of an arm's asserted intervals that contain the truth; its Wilson interval counts arms. The plain
