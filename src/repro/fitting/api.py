@@ -100,12 +100,12 @@ def identify(
     >>> import repro
     >>> result = repro.identify("data/captures/ID.bin", validate="data/captures/T2.bin", method="bounded")
     >>> result.parameters.loc["g1", "verdict"]
-    'known to 36 %'
+    'known to 31 %'
     >>> result.parameters["estimate"].round(2).to_dict()
-    {'I1': 0.12, 'I2': 0.0, 'I3': 0.03, 'g1': 0.42, 'g2': 0.1, 'b1': 0.01, 'b2': 0.02, 'k1': 0.51, 'k2': 0.33}
+    {'I1': 0.1, 'I2': 0.01, 'I3': 0.03, 'g1': 0.41, 'g2': 0.1, 'b1': 0.09, 'b2': 0.03, 'k1': 0.45, 'k2': 0.33}
     >>> unseen = result.errors[result.errors["part"] == "validation"]
     >>> unseen["relative_rms"].round(2).to_list()
-    [0.14, 0.17]
+    [0.18, 0.2]
     >>> result.residuals.columns.to_list()
     ['log', 'time_s', 'joint', 'torque_nm', 'rebuilt_nm', 'residual_nm']
     >>> len(result.warnings) > 0

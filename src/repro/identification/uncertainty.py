@@ -8,7 +8,7 @@ uncertainties are combined; docs/explanation/methods-and-intervals.md describes 
   torque and regressor, any method gives the parameters that it would give with them in its model (Frisch, Waugh and
   Lovell). The squared shift is multiplied by the positive-part shrinkage factor 1 - c / F (Baranchik 1970) with the
   critical value c of the F-test. The largest shift a counts, by the variance a^2 / 3 of a rectangular distribution. An
-  effect that is certainly there needs no test and is no rival: a^2 (1 + 1 / F), with the variance of the shift itself.
+  effect that is certainly there needs no test and is no rival: a^2 F / (1 + F) shrinks a shift that is only noise.
   Terms that were subtracted from the torque are fitted again next to every perturbation.
 - Bias by errors of the motion, estimated by SIMEX. It widens the interval and does not move the estimate.
 
@@ -194,7 +194,7 @@ def unmodelled_effects(
         extended = np.concatenate([regression.y, always, columns[best]], axis=-1)
         sizes = solve(extended, regression.tau, weight)[-columns[best].shape[-1] :]
         if name in CERTAIN_EFFECTS and tests[best][0] > 0.0 and (sizes > 0.0).all():
-            results[name] = Perturbation((projected[best],), 1.0 + 1.0 / tests[best][0])
+            results[name] = Perturbation((projected[best],), tests[best][0] / (1.0 + tests[best][0]))
             continue
         if name in MAX_TORQUE_SHARE:
             torque = columns[best] @ sizes
