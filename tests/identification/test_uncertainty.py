@@ -189,13 +189,13 @@ def test_terms_are_fitted_again_next_to_an_effect():
     assert np.abs(solve(regression.y, regression.tau)[:5] / BETA[:5] - 1.0).max() > 0.04
 
 
-@pytest.mark.parametrize(("share", "is_certain"), [(0.004, True), (-0.004, False)])
-def test_a_rotor_too_small_for_a_test_widens_intervals_where_it_would_be_positive(share, is_certain):
+@pytest.mark.parametrize(("share", "is_rival"), [(0.004, False), (-0.004, True)])
+def test_a_rotor_too_small_for_a_test_widens_intervals_where_it_would_be_positive(share, is_rival):
     ddq2 = motion(LOG.t)[2][1]
-    log = with_noise(replace(LOG, tau=LOG.tau + each(0.0, share * BETA[2]) * ddq2), 0.002, 6)
+    log = with_noise(replace(LOG, tau=LOG.tau + each(0.0, share * BETA[2]) * ddq2), 0.01, 1)
     found = effects(log)["inertia of the rotor of joint 2"]
-    assert found.rival != is_certain
-    assert 0.0 < found.weight < 0.8 if is_certain else found.weight == 0.0
+    assert found.rival == is_rival
+    assert found.weight > 0.4  # of the positive one F is 1, which no test would find
 
 
 def effects(log, corrected=None):
