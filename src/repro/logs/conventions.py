@@ -321,6 +321,9 @@ def _fit(smoothed: Smoothed, convention: Convention, absolute: bool = False) -> 
     y[..., 7:] = np.tanh(LAMBDA * sense @ smoothed.dq[:, k])[..., np.newaxis] * np.eye(2)[:, np.newaxis]
     (beta, left), size = fit_joints(y, tau), np.sum(tau**2, axis=1)
     error = left / np.where(size > 0.0, size, size.sum())  # of a joint without a drive over the torque of the other
+    recorded_size = np.sum(smoothed.tau[:, k] ** 2, axis=1)
+    if (size > 0.0).all() and (recorded_size > 0.0).all():  # a sum of torques is not better for being larger
+        error = error * np.sqrt(np.prod(size / recorded_size))
     terms = y * beta  # (2, n, 9): torque of each parameter
     share = np.sqrt(np.sum(terms**2, axis=1) / np.where(size > 0.0, size, size.sum())[:, np.newaxis]).max(axis=0)
     negative = (beta[:5] < 0.0) & (share[:5] > _MIN_NOTICEABLE_SHARE)
