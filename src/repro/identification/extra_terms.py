@@ -249,6 +249,8 @@ def term_columns(
     kinds: Mapping[str, TermKind], log: Log, settings: FilterSettings, beta: Array, terms: Sequence[Term] | None = None
 ) -> Array:
     """Compute the filtered columns (2, n, k) of terms, or of all terms of these kinds."""
+    if terms is not None and not terms:
+        return np.empty((2, sum(retained_samples(piece, settings)[1].size for piece in log.pieces), 0))
     columns = filtered_columns([partial(raw_columns, kinds)], log, settings, beta)[0]
     return columns if terms is None else columns[..., [term_names(kinds).index(term.name) for term in terms]]
 
