@@ -51,7 +51,7 @@ def spoilt(told: LoadedLog, wrong: dict[str, float]) -> tuple[LoadedLog, dict[st
 
 @dataclass(frozen=True)
 class Found:
-    """What the first log of an arm is said to contain."""
+    """What the output states of the first log of an arm."""
 
     named: dict[str, float]  # calibration errors that are corrected, and the delay
     instead: dict[str, float]  # errors that would explain the log nearly as well
@@ -80,18 +80,18 @@ def found(logs: list[LoadedLog]) -> Found:
 class Trial:
     """What came of the errors put into a log."""
 
-    told: str  # log and errors
+    put_in: str  # log and errors
     outcome: str  # what the output says
     named: bool
     close: bool  # whether each size is within 20 %
     announced: bool  # whether each error that is not named is at most the stated detection limit
 
 
-def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) -> Trial:
+def tried(job: tuple[int, dict[str, float]], files: list[Path], with_others: bool) -> Trial:
     """Put errors into one of the logs."""
     which, wrong = job
     logs = [load_log(file, Arm()) for file in [files[which], *files[:which], *files[which + 1 :]]]
-    logs = logs if beside else logs[:1]
+    logs = logs if with_others else logs[:1]
     before = found(logs).named
     logs[0], sizes = spoilt(logs[0], wrong)
     result = found(logs)
@@ -105,7 +105,7 @@ def tried(job: tuple[int, dict[str, float]], files: list[Path], beside: bool) ->
     # A delay is said in any case: it counts where it is half right, or at the end of what is looked at.
     at_end = abs(said["delay"]) >= 0.99 * MAX_DELAY
     return Trial(
-        told=f"{files[which].name}: " + ", ".join(f"{name} {x:.3g}" for name, x in sizes.items()),
+        put_in=f"{files[which].name}: " + ", ".join(f"{name} {x:.3g}" for name, x in sizes.items()),
         outcome=", ".join(f"{name} {x:.3g}" for name, x in said.items()),
         named=all(x < (0.5 if name == "delay" and not at_end else np.inf) for name, x in off.items()),
         close=all(x < 0.2 for x in off.values()),
@@ -120,16 +120,16 @@ def main() -> None:
     parser.add_argument("--spoil", type=int, help="how many of the logs, from the first, are spoilt (all)")
     args = parser.parse_args()
     jobs = [(which, wrong) for which in range(args.spoil or len(args.logs)) for wrong in WRONG]
-    for beside in (False, True)[: len(args.logs)]:
+    for with_others in (False, True)[: len(args.logs)]:
         with ProcessPoolExecutor(2) as pool:
-            trials = list(pool.map(partial(tried, files=args.logs, beside=beside), jobs))
+            trials = list(pool.map(partial(tried, files=args.logs, with_others=with_others), jobs))
         missed = [trial for trial in trials if not trial.named]
         for trial in missed:
             limit = "; below the stated limit" if trial.announced else ""
-            print(f"  not named: {trial.told}; said: {trial.outcome}{limit}")
+            print(f"  not named: {trial.put_in}; said: {trial.outcome}{limit}")
         named, close = sum(trial.named for trial in trials), sum(trial.close for trial in trials)
         below = sum(trial.announced for trial in missed)
-        print("beside the others" if beside else "alone", end=": ")
+        print("next to the others" if with_others else "alone", end=": ")
         print(f"{named} of {len(trials)} named, {close} within 20 %; {below} of the others below the stated limit")
 
 
