@@ -81,6 +81,18 @@ class Pressing(PlayedBoard):
         return super().tick()
 
 
+class HardOfHearing(Pressing):
+    """Loses two of the stops that are sent while it moves."""
+
+    lost = 0
+
+    def receive(self, data):
+        if self.running and self.lost < 2 and encode_message(MessageKind.STOP) in data:
+            self.lost += 1
+            return b""
+        return super().receive(data)
+
+
 @pytest.fixture
 def heeding_control_c():
     """Ctrl-C as in a terminal: a process started in the background ignores it, and so would these tests."""
@@ -102,6 +114,18 @@ def test_a_recording_that_ends_in_the_middle_stops_the_board_and_keeps_what_arri
     assert received.end_reason == reason
     assert FRAMES.startswith(data)
     assert len(data) == 800 if reason == "silent" else 0 < len(data) <= 800
+
+
+@pytest.mark.usefixtures("heeding_control_c")
+def test_a_stop_that_is_lost_is_sent_again():
+    desired, frames = frames_of(2000)  # 5 s
+    board = HardOfHearing(frames)
+    with served(board, PtyEndpoint(), real_time=True) as port:
+        _, received = record(port, metadata(desired, board=None), 115200, 60.0, lambda piece: None)
+        assert not board.running
+    assert received.end_reason == "interrupted"
+    assert board.lost == 2
+    assert board.place < len(frames) / 2
 
 
 @pytest.mark.parametrize(

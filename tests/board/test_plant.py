@@ -100,7 +100,8 @@ def test_a_batch_is_its_arms_one_by_one(quick):
     desired = np.stack([identification_reference(TrajectorySettings()).q[:, :300]] * 3)
     desired[2] *= 0.5
     arms, phase = np.stack([ARM, OTHER, ARM]), np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
-    levels = [ROUGH, Unmodelled(stribeck=(0.1, 0.0), ripple=(0.0, 0.3)), Unmodelled()]
+    others = Unmodelled(stribeck=(0.1, 0.4), stribeck_velocity=0.05, ripple=(0.0, 0.3), ripple_cycles=12.0)
+    levels = [ROUGH, others, Unmodelled()]
     position, pwm = simulate(Plant(arms, H, levels, phase, quick), TABLE_8, desired)
     for b in range(3):
         alone = simulate(Plant(arms[b], H, levels[b], phase[b], quick), TABLE_8, desired[b])

@@ -70,10 +70,23 @@ def recorded(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def tables(motions, recorded):
+def drawn():
+    """Parameters of each set of arms that is simulated."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def tables(motions, recorded, drawn):
     algorithm1 = Algorithm1("tracked", None, ImageSettings(), search_settings(CONFIG), CONFIG.refinement)
     tau_mean = mean_training_torque(SIGNALS, data_settings(CONFIG), 1)
+
+    def simulate(*arguments):
+        result = simulated_arms.simulate_arms(*arguments)
+        drawn.append(result[-1])
+        return result
+
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stage, "simulate_arms", simulate)
         patch.setattr(stage, "ResidualEstimator", Reader)
         patch.setattr(stage, "algorithm1_of", lambda *_: algorithm1)
         patch.setattr(stage, "read_mean_torque", lambda *_: tau_mean)
@@ -92,6 +105,12 @@ def test_calibrated_intervals_cover_where_the_guesses_do_not(tables):
     assert (each["width"] > 0).all()
     assert (each["contraction"] < 1).all()
     assert table["warned"].max() < 0.2
+
+
+@pytest.mark.usefixtures("tables")
+def test_no_arm_that_intervals_are_tested_on_calibrates_them(drawn):
+    assert [arms.shape for arms in drawn] == 4 * [(40, 9)]
+    assert len(np.unique(np.concatenate(drawn), axis=0)) == 4 * 40
 
 
 def test_all_nine_are_covered_at_once_by_intervals_stretched_for_it(tables):

@@ -17,7 +17,8 @@ from repro.identification import least_squares
 from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import LEAST_SQUARES
-from repro.identification.regression import drop_standstill
+from repro.identification.regression import drop_standstill, masked
+from repro.identification.uncertainty import repeat
 
 pytestmark = pytest.mark.slow
 
@@ -53,6 +54,18 @@ def test_every_method_keeps_the_contract(name, kind):
     assert first.beta.tobytes() == second.beta.tobytes() == method.repeat(regression, first).tobytes()
     assert (first.notes, first.choice) == (second.notes, second.choice)
     assert [array.tobytes() for array in arrays] == before
+
+
+@every_method
+@pytest.mark.parametrize("kind", PROBLEMS)
+def test_a_replicate_is_the_fit_to_its_samples(name, kind):
+    """Whether by sums or by samples; joint 2 has fewer of them."""
+    regression, method = PROBLEMS[kind], METHODS[name]
+    n = regression.t.size
+    regression = masked(regression, np.array([np.full(n, True), np.arange(n) % 5 > 1]))
+    first, times = method.estimate(regression), np.arange(n) * 7 % 4
+    expected = method.repeat(regression.take(np.repeat(np.arange(n), times)), first)
+    assert repeat(method, regression, first, times) == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
 def independent(name, y, tau):

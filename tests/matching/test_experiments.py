@@ -1,5 +1,6 @@
 """Accepted experiments: each number is computed again from its parameters, and the rule of acceptance is satisfied."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,32 @@ def test_an_experiment_has_the_kept_numbers_and_is_not_ruled_out(values):
     assert outcome_of(values, values["tracking"], CONFIG).accepted
     # The arm is a member of the appendix's family.
     assert all(reproduced(np.array([values[name] for name in NAMES])).values())
+
+
+def moved(outcome, motion, **quantities):
+    changed = {name: getattr(outcome.motions[motion], name) + by for name, by in quantities.items()}
+    return replace(outcome, motions={**outcome.motions, motion: replace(outcome.motions[motion], **changed)})
+
+
+def test_an_experiment_is_ruled_out_by_each_part_of_the_rule():
+    """Also by what is below the print, and on one motion or joint alone."""
+    kept = outcome_of(EXPERIMENTS[2], EXPERIMENTS[2]["tracking"], CONFIG)
+    target = kept.motions["ID"].tracking - kept.tracking
+    tracked = replace(kept.motions["ID"], tracking=target)  # as printed
+    exact = replace(kept, motions={**kept.motions, "ID": tracked})
+    assert exact.accepted
+    for joint in np.eye(2):
+        for sign in (-1.0, 1.0):
+            assert moved(exact, "ID", tracking=0.95 * sign * MAX_TRACKING_DISTANCE * joint).accepted
+            assert not moved(exact, "ID", tracking=1.05 * sign * MAX_TRACKING_DISTANCE * joint).accepted
+    for quantity in np.eye(4):
+        assert not moved(exact, "T3", peak=quantity).accepted
+    for cell in np.ndindex(5, 2):
+        heavy = replace(exact)
+        # The cached torque alone is changed: another recording would change the totals, too.
+        heavy.__dict__["mean_square"] = exact.mean_square.copy()
+        heavy.mean_square[cell] = 1.01 * MAX_OVER_BOUND * (exact.mean_square / exact.over_bound)[cell]
+        assert not heavy.accepted
 
 
 def test_the_starts_contain_the_accepted_experiments():

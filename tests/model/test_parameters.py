@@ -37,6 +37,15 @@ def test_units_make_every_term_a_torque(speed):
         np.testing.assert_allclose(fast[..., k], slow[..., k] * speed ** (2 + exponents[unit]), rtol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("i2", "g1", "g2", "possible"),
+    [(0.1, -3.0, -1.2, True), (0.1, 3.0, -1.2, False), (0.1, 0.0, 0.0, True), (0.0, 3.0, 1.2, True)],
+    ids=["both upside down", "one", "in a horizontal plane", "second link balanced"],
+)
+def test_signs_that_an_arm_can_have(i2, g1, g2, possible):
+    assert parameters.has_possible_signs([0.4, i2, 0.2, g1, g2, 0.3, 0.2, 0.5, 0.4]) == possible
+
+
 def smallest_eigenvalue(beta):
     """Smallest eigenvalue of M over one turn of q2, shape (...)."""
     return np.linalg.eigvalsh(mass_matrix(GRID, np.asarray(beta)[..., None, :])).min((-1, -2))

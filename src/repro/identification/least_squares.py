@@ -296,18 +296,25 @@ def choose_penalty(errors: Array) -> int:
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (
-        Method("ordinary", "ordinary least squares", "gautier1992exciting", ordinary),
-        Method("weighted", "weighted least squares", "swevers2007dynamic", weighted),
+        Method("ordinary", "ordinary least squares", "gautier1992exciting", ordinary, sums_suffice=True),
+        Method("weighted", "weighted least squares", "swevers2007dynamic", weighted, sums_suffice=True),
         Method("robust", "robust least squares (Huber)", "huber1964robust", robust),
         Method("instrumental", "instrumental variables", "janot2014generic", instrumental, needs_even_odd=True),
-        Method("bounded", "bounded least squares", "branch1999subspace", bounded),
-        Method("consistent", "consistent least squares", "sousa2014physical", consistent),
-        Method("weighted-consistent", "weighted consistent least squares", "sousa2014physical", weighted_consistent),
+        Method("bounded", "bounded least squares", "branch1999subspace", bounded, sums_suffice=True),
+        Method("consistent", "consistent least squares", "sousa2014physical", consistent, sums_suffice=True),
+        Method(
+            "weighted-consistent",
+            "weighted consistent least squares",
+            "sousa2014physical",
+            weighted_consistent,
+            sums_suffice=True,
+        ),
         Method(
             "parsimonious",
             "parsimonious least squares",
             "breiman1984cart",
             parsimonious,
+            sums_suffice=True,
             refit=refit_parsimonious,
             unbiased=weighted_consistent,
         ),

@@ -87,6 +87,7 @@ class Method:
     claims_intervals: bool = True  # whether it is repeated for standard errors and intervals
     needs_all_samples: bool = False  # whether it needs the log as signals, including samples of standstill
     needs_even_odd: bool = False  # whether it uses `Regression.even_odd`, which is twice as large as the regressor
+    sums_suffice: bool = False  # whether Y'Y, Y'tau and tau'tau of each joint are all that it needs of a regression
     refit: Callable[[Regression, float], Array] | None = None  # for a method that chooses: beta with a kept choice
     unbiased: Callable[[Regression], Estimate] | None = None  # of a method that is biased on purpose
 

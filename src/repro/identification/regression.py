@@ -95,6 +95,7 @@ class Regression:
     h: float  # time between samples, s
     even_odd: Array | None = None  # the regressor (2, 2, n, 9) from every other sample: with independent noise
     prior: Prior | None = None  # of the parameters
+    count: Array | None = None  # samples of each joint (2, 1) that rows of `condensed` stand for
 
     @property
     def known(self) -> Array:
@@ -129,6 +130,26 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
         even_odd=np.concatenate(halves, axis=2) if len(halves) == len(parts) else None,
         **signals,
     )
+
+
+def condensed(regression: Regression, times: NDArray[np.intp] | None = None) -> Regression:
+    """Replace all samples, each counted `times` (n,), by ten a joint with the same Y'Y, Y'tau and tau'tau.
+
+    A method that needs no more than these sums can then be repeated hundreds of times.
+    """
+    y, tau = regression.y, regression.tau[..., np.newaxis]
+    factor = 1.0 if times is None else times[:, np.newaxis].astype(np.float64)
+    counted, product = y * factor, y.mT @ (tau * factor)
+    gram = np.block([[counted.mT @ y, product], [product.mT, tau.mT @ (tau * factor)]])
+    length = np.sqrt(np.einsum("jpp->jp", gram))
+    unit = np.where(length > 0.0, length, 1.0)
+    values, vectors = np.linalg.eigh(gram / unit[:, :, np.newaxis] / unit[:, np.newaxis])
+    root = np.sqrt(np.maximum(values, 0.0))[..., np.newaxis] * vectors.mT * length[:, np.newaxis]
+    count = (regression.mask if times is None else regression.mask * times).sum(-1, keepdims=True)
+    empty = np.zeros(root.shape[:2])
+    mask = np.broadcast_to(count > 0, empty.shape)
+    signals = {"t": empty[0], "q": empty, "dq": empty, "ddq": empty, "mask": mask}
+    return replace(regression, y=root[..., :-1], tau=root[..., -1], count=count, even_odd=None, **signals)
 
 
 def masked(regression: Regression, mask: NDArray[np.bool_]) -> Regression:
@@ -166,7 +187,8 @@ def drop_standstill(regression: Regression, fraction: Array | None = None) -> Re
 def joint_variance(regression: Regression, beta: Array) -> Array:
     """Mean squared torque error of each joint where it moves, shape (2, 1), N^2 m^2, never zero."""
     error = regression.tau - regression.y @ beta
-    count = np.maximum(regression.mask.sum(-1, keepdims=True), 1)
+    present = regression.mask.sum(-1, keepdims=True) if regression.count is None else regression.count
+    count = np.maximum(present, 1)
     floor = np.finfo(np.float64).eps * np.einsum("jn,jn->j", regression.tau, regression.tau)[:, np.newaxis] / count
     floor = np.where(floor > 0.0, floor, 1.0)
     return np.asarray(np.maximum(np.sum(error**2 * regression.mask, axis=-1, keepdims=True) / count, floor))
