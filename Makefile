@@ -27,7 +27,7 @@ help:
 	@echo "make test       set up $(VENV) with the test tools and run every check"
 	@echo "make check      linters, types and the quick tests, before a commit"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
-	@echo "make golden     run it from stored networks with small counts and compare every number with tests/golden"
+	@echo "make golden     run it from stored networks with small counts and compare its numbers with tests/golden"
 	@echo "make rtl        test the board in logic: arithmetic, blocks, recordings, proofs"
 	@echo "make site       build the pages as a site (build/site)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
@@ -102,7 +102,7 @@ $(TESTABLE): $(INSTALLED)
 
 lock: | check-python
 	$(PYTHON) -m venv build/lock-venv
-	build/lock-venv/bin/python -m pip --disable-pip-version-check install --quiet uv==0.13.9
+	build/lock-venv/bin/python -m pip --disable-pip-version-check install --quiet $(LOCK_OPTIONS) -r requirements-uv.lock
 	build/lock-venv/bin/python envs/lock.py
 
 check-python:

@@ -81,7 +81,7 @@ def _allowed(key: dict[str, Any]) -> str:
         words = _range(key)
     else:
         words = {"boolean": "`true`, `false`", "string": "text"}.get(str(kind), "")
-        words = "a folder inside the project" if "pattern" in key else words
+        words = "a path inside the project" if "pattern" in key else words
     return ", ".join(filter(None, (words, own)))
 
 

@@ -130,8 +130,8 @@ PHRASES = [
     ),
     (
         "README.md",
-        "rises from {:.0f} % with 100,000 guesses to {:.0f} % with a million. Least squares has {:.0f} % there. A "
-        "direct search on the same similarity brings {:.0f} %",
+        "rises from {:.0f} % with 100,000 guesses to {:.0f} % with a million. Least squares has {:.0f} % there. "
+        "Without a network, a direct search on the similarity has {:.0f} %",
         [*(SIX[100_000], SIX[MILLION], BY_LEAST_SQUARES), SEARCH.median()],
     ),
     (
@@ -258,7 +258,7 @@ PHRASES = [
     ),
     (WORTH, "the medians are {:.1f} % and {:.1f} %", [*accepted("algorithm1", 100_000), *accepted("least-squares", 0)]),
     (WORTH, "printed schedule alone gives {:.2f}", [recipe("algorithm1+paper-recipe")[0]]),
-    (WORTH, "without a network, reaches a median of {:.1f} %", [SEARCH.median()]),
+    (WORTH, "without a network, has a median of {:.1f} %", [SEARCH.median()]),
     ("docs/results.md", "The mean is {:.2f} %, published 97.45 %", [VALIDATION["algorithm1"]]),
     (
         "docs/evaluate-in-60-minutes.md",

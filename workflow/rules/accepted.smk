@@ -1,4 +1,4 @@
-# Which experiments the printed numbers do not rule out. Needs the extra matching; what all is made from is the kept
+# Which experiments the printed numbers do not rule out. Needs the extra matching; `all` reads the kept
 # data/experiments.
 rule match_start:
     output:

@@ -26,7 +26,7 @@ def training_code(trainer):
     return CODE.of(trainer, *SAMPLED) if workflow.is_main_process else []
 
 
-# Keys that decide no result but those of the jobs that name them: one more seed changes nothing for a job that works on
+# Keys that only the jobs naming them depend on: one more seed changes nothing for a job that works on
 # one motion or one arm, and a network does not depend on what is logged on the way to it.
 IDLE = {
     "numeric": ["seeds"],
