@@ -6,12 +6,9 @@ TUTORIAL_CODE = [
     "repro.identification.exciting_motion",
     "repro.cnn.network",
 ]
-# The logs of the real arm are the reader's own copies, which the page says how to download.
-REAL_LOGS = os.environ.get("REPRO_REALDATA", "mine")
-# What their scripts read.
+# What scripts read. The logs of the real arm are the reader's own copies, which the page says how to download.
 TUTORIAL_FILES = {
     "one-guess": [HERE.parent / f"data/{file}" for file in ("captures/ID.bin", "networks/cnn.safetensors")],
-    "real-arm": [f"{REAL_LOGS}/{log}.csv" for log in ("061157", "060143", "060329")],
 }
 
 
@@ -24,7 +21,7 @@ rule tutorial:
         figure=f"{R}/tutorials/{{tutorial}}-1.png",
     params:
         *call("repro.report.tutorial:run_tutorial", *TUTORIAL_CODE),
-        logs=REAL_LOGS,
+        logs=os.environ.get("REPRO_REALDATA", "mine"),
     message:
         "Tutorial {wildcards.tutorial}"
     script:
