@@ -8,7 +8,8 @@ import pytest
 from experiment_example import refused
 
 from repro.documents import read_json
-from repro.files import atomic_write, parse_rows, read_csv, read_rows, write_csv, write_json, write_text
+from repro.errors import InputError
+from repro.files import atomic_write, fill_folder, parse_rows, read_csv, read_rows, write_csv, write_json, write_text
 
 
 class Interrupted(BaseException):
@@ -38,6 +39,22 @@ def test_a_target_that_cannot_be_replaced_leaves_no_temporary_file(tmp_path):
     with pytest.raises(OSError, match="taken"):
         write_text(target, "text")
     assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("name", ["parameters.csv", "runs.csv"])
+def test_no_input_is_replaced_or_removed_with_files_of_another_run(tmp_path, name):
+    (tmp_path / name).write_text("my log")
+    (tmp_path / "arm.urdf").write_text("of another run")
+
+    def fill(folder):
+        (folder / "parameters.csv").write_text("new")
+
+    with pytest.raises(InputError, match="an input of this command"):
+        fill_folder(tmp_path, fill, optional=("runs.csv", "arm.urdf"), inputs=[tmp_path / name])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.urdf", name]
+    assert (tmp_path / name).read_text() == "my log"
+    fill_folder(tmp_path, fill, optional=("runs.csv", "arm.urdf"))
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("parameters.csv", "new")]
 
 
 @pytest.mark.parametrize(("umask", "mode"), [(0o022, 0o644), (0o077, 0o600)])
