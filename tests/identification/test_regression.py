@@ -140,6 +140,14 @@ def test_a_relation_of_nearly_no_uncertainty_is_satisfied(name):
     assert beta[3] == 1.02 * BETA[3]
 
 
+def test_a_relation_to_a_known_parameter_gives_the_other():
+    """A measured length and a known g2 give I2."""
+    coefficients = np.zeros(9)
+    coefficients[[1, 4]] = 1.0, -0.06
+    prior = replace(prior_of(g2=(0.9 * BETA[4], 0.0)), relations=(Relation(coefficients, 1e-7),))
+    assert beta_of("ordinary", replace(R, prior=prior))[1] == pytest.approx(0.06 * 0.9 * BETA[4], abs=1e-5)
+
+
 @pytest.mark.parametrize(("name", "share"), [("weighted", 0.05), ("robust", 0.6), ("instrumental", 0.05)])
 def test_methods_that_weight_rows_are_between_the_log_and_the_prior(name, share):
     expected, covariance = posterior(PRIOR)
