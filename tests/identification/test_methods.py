@@ -18,7 +18,7 @@ from repro.identification.filtering import FILTERS, FilterSettings, prepare
 from repro.identification.least_squares import METHODS
 from repro.identification.method import LEAST_SQUARES
 from repro.identification.regression import drop_standstill, masked
-from repro.identification.uncertainty import repeat
+from repro.identification.uncertainty import fit_replicate
 
 pytestmark = pytest.mark.slow
 
@@ -65,7 +65,7 @@ def test_a_replicate_is_the_fit_to_its_samples(name, kind):
     regression = masked(regression, np.array([np.full(n, True), np.arange(n) % 5 > 1]))
     first, times = method.estimate(regression), np.arange(n) * 7 % 4
     expected = method.repeat(regression.take(np.repeat(np.arange(n), times)), first)
-    assert repeat(method, regression, first, times) == pytest.approx(expected, rel=1e-6, abs=1e-9)
+    assert fit_replicate(method, regression, first, times) == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
 def independent(name, y, tau):

@@ -1,5 +1,5 @@
-# Which experiments the printed numbers do not rule out. Needs the extra matching; `all` reads the kept
-# data/experiments.
+# Which experiments the printed numbers do not rule out. Needs the extra matching; `all` reads
+# the kept data/experiments.
 rule match_start:
     output:
         f"{R}/matching/{{hypothesis}}-{{start}}.json",

@@ -26,8 +26,8 @@ def training_code(trainer):
     return CODE.of(trainer, *SAMPLED) if workflow.is_main_process else []
 
 
-# Keys that only the jobs naming them depend on: one more seed changes nothing for a job that works on
-# one motion or one arm, and a network does not depend on what is logged on the way to it.
+# Keys that only the jobs naming them depend on: one more seed changes nothing for a job that works on one motion or one
+# arm, and a network does not depend on what is logged on the way to it.
 IDLE = {
     "numeric": ["seeds"],
     "experiment": ["search_seeds", *([] if SETTINGS.experiment.source == "serial" else ["port", "baud"])],

@@ -95,7 +95,7 @@ class Regression:
     h: float  # time between samples, s
     even_odd: Array | None = None  # the regressor (2, 2, n, 9) from every other sample: with independent noise
     prior: Prior | None = None  # of the parameters
-    count: Array | None = None  # samples of each joint (2, 1) that rows of `condensed` stand for
+    count: Array | None = None  # samples of each joint (2, 1) that rows of `condense` represent
 
     @property
     def known(self) -> Array:
@@ -132,7 +132,7 @@ def joined(parts: Sequence[Regression], weights: Sequence[float] | None = None) 
     )
 
 
-def condensed(regression: Regression, times: NDArray[np.intp] | None = None) -> Regression:
+def condense(regression: Regression, times: NDArray[np.intp] | None = None) -> Regression:
     """Replace all samples, each counted `times` (n,), by ten a joint with the same Y'Y, Y'tau and tau'tau.
 
     A method that needs no more than these sums can then be repeated hundreds of times.

@@ -46,7 +46,7 @@ from repro.identification.regression import (
     RANK_TOLERANCE,
     Prior,
     Regression,
-    condensed,
+    condense,
     correlation_time,
     drop_standstill,
     joined,
@@ -301,10 +301,12 @@ def resample(n: int, length: int, rng: np.random.Generator) -> NDArray[np.intp]:
     return (starts[:, None] + np.arange(length)).reshape(-1)[:n]
 
 
-def repeat(method: Method, regression: Regression, first: Estimate, times: NDArray[np.intp] | None = None) -> Array:
+def fit_replicate(
+    method: Method, regression: Regression, first: Estimate, times: NDArray[np.intp] | None = None
+) -> Array:
     """Apply a method again to a regression, each of whose samples counts `times` (n,); returns (9,)."""
     if method.sums_suffice:
-        regression = condensed(regression, times)
+        regression = condense(regression, times)
     elif times is not None:
         regression = regression.take(np.repeat(np.arange(times.size), times))
     return method.repeat(regression, first)
@@ -317,7 +319,7 @@ def jackknife(method: Method, regression: Regression, first: Estimate) -> tuple[
     estimates = []
     for k in range(GROUPS):
         with suppress(NoSolutionError):
-            estimates.append(repeat(method, regression, first, (group != k).astype(np.intp)))
+            estimates.append(fit_replicate(method, regression, first, (group != k).astype(np.intp)))
     freedom = len(estimates) - 1
     if freedom < 1:
         return np.zeros(len(first.beta)), 1
@@ -342,7 +344,7 @@ def bootstrap(
     for k in range(replicates):
         times = np.bincount(resample(n, length, rng), minlength=n)
         with suppress(NoSolutionError):  # a block drawn so often that it determines too little
-            drawn.append(repeat(method, regression, first, times))
+            drawn.append(fit_replicate(method, regression, first, times))
         report(k + 1, replicates)
     if len(drawn) < max(replicates // 2, 2):
         raise NoSolutionError("most replicates of the bootstrap have no solution")
@@ -351,7 +353,7 @@ def bootstrap(
     slow, groups = jackknife(method, regression, first)
     slower = slow > float(fdtri(groups, blocks, 1.0 - F_TEST_LEVEL)) * sampling
     sampling = np.where(slower, slow, sampling)
-    type_b, attenuation = type_b_variance(lambda r: repeat(method, r, first), beta, perturbations)
+    type_b, attenuation = type_b_variance(lambda r: fit_replicate(method, r, first), beta, perturbations)
     if method.unbiased is not None:
         type_b += (method.unbiased(regression).beta - beta) ** 2
     factors = stdtrit(np.where(slower, groups, blocks), 0.975), float(stdtrit(blocks, 0.975))
