@@ -107,8 +107,9 @@ def table_of_totals(name: str, cases: tuple[str, ...], first: dict[str, list[flo
 
 
 def methods() -> str:
-    """What the names of methods in the tables leave unsaid."""
-    return markdown(["row", "what it is"], [[title_of(name), meaning] for name, meaning in MEANINGS.items()])
+    """What the names of methods in the tables of totals leave unsaid."""
+    shown = {method for table in ("table06", "table07", "table10") for method in totals(table).index}
+    return markdown(["row", "what it is"], [[title_of(k), meaning] for k, meaning in MEANINGS.items() if k in shown])
 
 
 def table06() -> str:
