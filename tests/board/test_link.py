@@ -134,6 +134,7 @@ def test_a_stop_that_is_lost_is_sent_again():
         (FRAMES[:8], "found 8 bytes without a frame"),  # one alone is not certain
         (bytes(1600), "found 1600 bytes without a frame .*baud rate 115200.*, expected 200 frames"),
         (encode(np.add(motion()[1], [[0], [1183]]), motion()[2]), "joint 2: found 0.885 rad, expected .* hang at rest"),
+        (encode(np.subtract(motion()[1], [[0], [1183]]), motion()[2]), "joint 2: found -0.885 rad, expected .* hang"),
     ],
 )
 def test_no_frame_at_all_and_an_arm_away_from_its_start_are_reported_in_one_line(frames, found):

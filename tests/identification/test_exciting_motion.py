@@ -138,6 +138,8 @@ def test_expected_intervals_are_those_of_repeated_least_squares(motion):
             "workspace",
             "",
         ),
+        # The tip is inside, the elbow is not.
+        ({"workspace": ((-1, 1), (-0.5, -0.3)), "link_lengths": (0.2, 0.2)}, None, "workspace", "0, 0 rad"),
         (WEAK, BETA, "torque_limit", "1.5, 0 rad"),
     ],
 )

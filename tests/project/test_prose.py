@@ -131,7 +131,7 @@ PHRASES = [
     (
         "README.md",
         "rises from {:.0f} % with 100,000 guesses to {:.0f} % with a million. Least squares has {:.0f} % there. "
-        "Without a network, a direct search on the similarity has {:.0f} %",
+        "The network is not needed: a direct search on the similarity, without a network, has {:.0f} %",
         [*(SIX[100_000], SIX[MILLION], BY_LEAST_SQUARES), SEARCH.median()],
     ),
     (

@@ -83,6 +83,9 @@ def test_a_trajectory_run_slower_is_the_same_arm_in_canonical_time(times, arm, s
     chosen = select(np.stack([0.7 * answer[::-1], answer]), found, SearchSettings())
     np.testing.assert_allclose(chosen.beta, truth, rtol=1e-9)
     assert chosen.similarity == pytest.approx(1.0, abs=1e-3)
+    plain = replace(exact, normalise_motion=False)
+    found = prepared(q, tau, np.ones((2, n)), plain, (MARGIN, MARGIN + n), time_scale=pace)
+    np.testing.assert_array_equal(found.model, found.y_sub)  # the image has the same Coulomb friction
 
 
 @pytest.mark.parametrize("cut", [(-1, 400), (0, 44), (400, 444), (300, 200), (N, None), (0, N + 200)])
