@@ -97,6 +97,7 @@ def rows_of(generator: str, kind: str, count: int, name: str) -> Iterator[dict[s
                 "generator": generator,
                 "kind": kind,
                 "arm": k,
+                "corrected": bool(problem.logs[0].calibration_errors),
                 "parameter": p.name,
                 "true": true,
                 "estimate": p.estimate,
@@ -131,6 +132,7 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
         refused = five.low.isna().groupby(five.arm).all()
         line = {"generator": generator, "kind": kind, "arms": len(refused), "refused": 100.0 * refused.mean()}
         claims = {"claims": len(known), "wrong claims": int(wrong.sum())}
+        claims["corrected"] = int(part.groupby("arm").corrected.first().sum())
         lines.append(line | coverage(five) | claims | coverage(five, "plain "))
     return pd.DataFrame(lines)
 
@@ -139,7 +141,8 @@ def markdown(table: pd.DataFrame) -> str:
     """The table with coverage and its interval in one cell."""
     heads = [
         *("generator", "unmodelled effect", "arms", "without intervals, %", "coverage, %", "half width, %"),
-        *('"known to x %"', "off by more", "plain bootstrap: coverage, %", "half width, %"),
+        *('"known to x %"', "off by more", "arms with a calibration error corrected"),
+        *("plain bootstrap: coverage, %", "half width, %"),
     ]
     lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     for row in table.to_dict("records"):
@@ -148,7 +151,7 @@ def markdown(table: pd.DataFrame) -> str:
         ]
         widths = [f"{row[p]:.2g}" for p in ("half width", "plain half width")]
         cells = [row["generator"], planar_arms.KINDS[row["kind"]], row["arms"], f"{row['refused']:.0f}"]
-        cells += [shares[0], widths[0], row["claims"], row["wrong claims"], shares[1], widths[1]]
+        cells += [shares[0], widths[0], row["claims"], row["wrong claims"], row["corrected"], shares[1], widths[1]]
         lines.append("| " + " | ".join(map(str, cells)) + " |")
     return "\n".join(lines) + "\n"
 
