@@ -43,16 +43,6 @@ class StabilityConstants:
     r2_max: float  # largest eigenvalue of R2 = rho epsilon R1 (Eq. 19)
     s1_min: float  # smallest eigenvalue of S1 (Eq. 21)
 
-    @property
-    def conditions(self) -> dict[str, bool]:
-        """Whether each condition of the proof holds."""
-        return {
-            "potential": self.lambda_q_min > 0.0,
-            "energy": self.energy > 0.0,
-            "dissipation": self.dissipation > self.coupling,
-            "rate": self.r1_min > self.r2_max,
-        }
-
 
 def eigenvalue_range(a: Array | float, b: Array | float, d: Array | float) -> tuple[float, float]:
     """Compute the smallest and the largest eigenvalue of the matrices [[a, b], [b, d]]."""
@@ -62,7 +52,7 @@ def eigenvalue_range(a: Array | float, b: Array | float, d: Array | float) -> tu
 
 
 def stability_constants(beta: Array) -> StabilityConstants:
-    """Compute the constants and conditions of Appendix A for one parameter set (9,), physical or not.
+    """Compute the constants and both sides of the conditions of Appendix A for one parameter set (9,), physical or not.
 
     The corner of R1 is rho epsilon lambda_Q^min; the paper prints D there, which appears nowhere else. With it a
     parameter set exists that gives all the printed numbers at once (`repro.paper.appendix`).
