@@ -30,10 +30,10 @@ TYPES = ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interface
 JointState, Header, Time = (STORE.types[name] for name in TYPES)
 
 
-def states(r=GOOD, names=("joint1", "joint2"), velocity=True, stamped=True):
+def states(r=GOOD, names=("joint1", "joint2"), velocity=True, stamped=True, start=START):
     """Messages of a recording, each with the time at which it is received, ns."""
     for k, t in enumerate(r.t):
-        at = START + round(1e9 * t)
+        at = start + round(1e9 * t)
         stamp = Time(*divmod(at, 10**9)) if stamped else Time(0, 0)
         dq = r.dq[:, k].copy() if velocity else np.zeros(0)
         joints = JointState(Header(stamp, ""), list(names), r.q[:, k].copy(), dq, r.tau[:, k].copy())
@@ -76,6 +76,11 @@ def test_a_bag_of_a_recorder_that_kept_no_definitions(tmp_path):
         database.execute("DELETE FROM message_definitions")
     database.close()
     assert_same(read_log(folder, Arm()), GOOD)
+
+
+def test_the_stamps_of_simulated_time_begin_at_zero(tmp_path):
+    late = ((at + k * 10**6, message) for k, (at, message) in enumerate(states(start=0)))
+    assert_same(read_log(write(tmp_path / "arm", {"/joint_states": late}), Arm()), GOOD)
 
 
 def test_messages_without_stamps_and_of_other_joints(tmp_path):

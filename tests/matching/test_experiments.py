@@ -117,7 +117,9 @@ def test_back_emf_is_added_to_the_friction_of_the_family():
     assert true - [values[name] for name in NAMES] == pytest.approx([0, 0, 0, 0, 0, 0.07, 0.11, 0, 0], abs=1e-12)
 
 
-def test_only_a_changed_motion_is_recorded_again(monkeypatch):
+# Parameters come from ID, so another ID changes the totals of each motion.
+@pytest.mark.parametrize(("unknown", "motion", "most"), [("t3_levels", "T3", 10), ("duration_s", "ID", TERMS)])
+def test_only_a_changed_motion_is_recorded_again(monkeypatch, unknown, motion, most):
     recorded = []
     original = search.record_motion
     monkeypatch.setattr(search, "record_motion", lambda *given: recorded.append(given[1]) or original(*given))
@@ -125,10 +127,10 @@ def test_only_a_changed_motion_is_recorded_again(monkeypatch):
     place = np.full(len(HYPOTHESES[0].unknowns), 0.4)
     terms = problem.terms(place)
     assert len(terms) == TERMS
-    place[HYPOTHESES[0].unknowns.index("t3_levels")] = 0.5
+    place[HYPOTHESES[0].unknowns.index(unknown)] = 0.5
     changed = problem.terms(place)
-    assert recorded == ["ID", "T1", "T2", "T3", "T4", "T3"]
-    assert 0 < np.sum(changed != terms) <= 10
+    assert recorded == ["ID", "T1", "T2", "T3", "T4", motion]
+    assert 0 < np.sum(changed != terms) <= most
 
 
 def test_what_cannot_be_built_has_the_largest_misfit():
