@@ -139,6 +139,11 @@ def twice_a_turn(log: SmoothLog) -> Array:
     return np.concatenate([one_joint(wave(2.0 * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
 
 
+def elasticity(log: SmoothLog) -> Array:
+    """Compute the effect of a gear that yields in proportion to its load, behind the encoder, shape (2, N, 2)."""
+    return position_error(log, log.gear_load)
+
+
 def backlash(log: SmoothLog, width: float) -> Array:
     """Compute the effect of play behind the encoder (2, N, 2): teeth change sides below `width` of the largest load."""
     largest = np.abs(log.gear_load).max(axis=-1, keepdims=True)
@@ -160,7 +165,7 @@ UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
     "torque of period half a turn": (twice_a_turn,),
     ROTOR_OF_2: (rotor_inertia,),
     CONSTANTS: (lambda log: one_joint(log.tau * np.abs(log.tau)),),
-    "elasticity": (lambda log: position_error(log, log.gear_load),),
+    "elasticity": (elasticity,),
     "backlash": tuple(partial(backlash, width=width) for width in (0.02, 0.05, 0.15)),
 }
 EFFECTS_PER_LOG = (ZEROS, OFFSETS)  # effects that differ from log to log of one arm

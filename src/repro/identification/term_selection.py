@@ -23,6 +23,7 @@ from repro.identification.extra_terms import (
     TERMS,
     Columns,
     ExtraTerm,
+    elasticity,
     filtered_columns,
     load_friction,
     rotor_inertia,
@@ -35,6 +36,7 @@ from repro.identification.regression import Regression, correlation_time, drop_s
 from repro.model.parameters import Array
 
 BLOCKS = 6  # blocks of the log in cross-validation
+_ROTOR = TERM_NAMES.index(f"{ROTOR}2")  # number of the rotor among the terms
 LOAD_ITERATIONS = 2  # after which parameters and the load that they give agree to a percent
 
 
@@ -164,11 +166,20 @@ def _weight(regression: Regression, columns: Array) -> float:
     return 1.0 / (float(np.linalg.norm(error) / np.sqrt(max(regression.mask.sum(), 1))) or 1.0)
 
 
+def _is_rotor_needed(a: Array, b: Array, chosen: Sequence[int], elastic: Array) -> bool:
+    """Whether the rotor among chosen columns is worth its place next to elastic gears, which look like one."""
+    without = np.concatenate([a[..., nine_and([k for k in chosen if k != _ROTOR])], elastic], axis=-1)
+    with_it = np.concatenate([without, a[..., [N_NINE + _ROTOR]]], axis=-1)
+    smaller, larger = (float(np.log(cross_validation_error(part, b)).sum()) for part in (with_it, without))
+    return smaller < larger + np.log(1.0 - TERMS[ROTOR].min_reduction)
+
+
 def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[tuple[ExtraTerm, ...], Array]:
     """Find what to subtract from logs of one arm and what would help, in the order of `TERM_NAMES`; also the load (9,).
 
-    Friction is subtracted if it may be, the rotor always. The logs have correct calibration. Each of several is
-    weighted by its errors with all terms in the model: a noisy log must not hide what a good one shows.
+    Friction is subtracted if it may be, and a rotor if elastic gears do not explain it. The logs have correct
+    calibration. Each of several is weighted by its errors with all terms in the model: a noisy log must not hide what a
+    good one shows.
     """
     regressions = [drop_standstill(prepare(log, settings, even_odd=False)) for log, settings in logs]
     unweighted = joined(regressions)
@@ -183,7 +194,11 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     columns = [term_columns(TERMS, log, settings, load) * possible for log, settings in logs]
     weights = [_weight(r, c) for r, c in zip(regressions, columns, strict=True)] if len(logs) > 1 else [1.0]
     r = joined(regressions, weights)
-    a, b = weighted_rows(r, np.concatenate([w * c for w, c in zip(weights, columns, strict=True)], axis=1))
+
+    def rows(of_logs: Sequence[Array]) -> tuple[Array, Array]:
+        return weighted_rows(r, np.concatenate([w * c for w, c in zip(weights, of_logs, strict=True)], axis=1))
+
+    a, b = rows(columns)
     candidates = [k for k in range(len(TERM_NAMES)) if np.any(a[..., N_NINE + k])]
 
     def evaluated(k: int, chosen: Sequence[int]) -> ExtraTerm:
@@ -196,8 +211,13 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
         return ExtraTerm(TERM_NAMES[k], value, standard_error, gain, k in chosen)
 
     reductions = {k: TERMS[TERM_NAMES[k][:-1]].min_reduction for k in candidates}
-    allowed = {k: least for k, least in reductions.items() if friction or TERM_NAMES[k].startswith(ROTOR)}
+    allowed = {k: least for k, least in reductions.items() if friction or k == _ROTOR}
     chosen = best_subset(a, b, allowed, by_joint=True)
+    if _ROTOR in chosen:
+        elastic = rows([filtered_columns([elasticity], log, settings, load)[0] for log, settings in logs])[0]
+        if not _is_rotor_needed(a, b, chosen, elastic[..., N_NINE:]):
+            del allowed[_ROTOR]
+            chosen = best_subset(a, b, allowed, by_joint=True)
     while True:
         terms = [evaluated(k, chosen) for k in candidates]
         credible = [term for term in terms if term.value > MIN_Z_SCORE * term.error]
