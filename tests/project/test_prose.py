@@ -130,8 +130,8 @@ PHRASES = [
     ),
     (
         "README.md",
-        "rises from {:.0f} % with 100,000 guesses to {:.0f} % with a million. Least squares has {:.0f} % there. "
-        "The network is not needed: a direct search on the similarity, without a network, has {:.0f} %",
+        "rises from {:.0f} % with 100,000 guesses to {:.0f} % with a million. Least squares has {:.0f} % there. - "
+        "The network is not needed. A direct search on the similarity, without a network, has {:.0f} %",
         [*(SIX[100_000], SIX[MILLION], BY_LEAST_SQUARES), SEARCH.median()],
     ),
     (

@@ -113,7 +113,7 @@ def test_asserted_claims_hold_and_the_readme_counts_them():
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in readme
     counted = by_basis(CLAIMS.reset_index())[["numeric", "simulated arm"]].sum(axis=1)
-    numbers = r"Of the (\d+) printed numbers .*? (\d+) are reproduced or better, (\d+) differ, .*? (\d+) are"
+    numbers = r"can test (\d+) printed numbers\. Of these, (\d+) are reproduced or better, (\d+) differ, .*? (\d+) are"
     shown = re.search(numbers, readme)
     expected = [counted.sum(), counted["reproduced"] + counted["better"], counted["differs"], counted["inconclusive"]]
     assert shown is not None
