@@ -30,7 +30,7 @@ import numpy as np
 
 import repro
 
-logs = Path(os.environ["REPRO_REALDATA"])
+logs = Path(os.environ.get("REPRO_REALDATA", "mine"))
 log = repro.read_log(logs / "061157.csv")
 print(f"{log.t[-1] - log.t[0]:.0f} s, {len(log.t)} samples")
 print("position from", log.q.min(axis=1).round(2), "to", log.q.max(axis=1).round(2), "rad")
@@ -49,8 +49,8 @@ print(result.method)
 print(result.parameters[["estimate", "low", "high", "unit"]].round(3))
 
 # %% [markdown]
-# Every parameter has a 95 % interval and a verdict in words. The gears rub more under load, which Eq. 1 does not model.
-# The log shows it, so this friction is subtracted and reported:
+# Every parameter has a verdict in words. All but those that the method keeps at zero have a 95 % interval. The gears rub
+# more under load, which Eq. 1 does not model. The log shows it, so this friction is subtracted and reported:
 
 # %%
 for name, verdict in result.parameters["verdict"].items():
@@ -59,8 +59,8 @@ for term in result.details.terms:
     print(f"{term.name}: {term.value:.3f} +- {2 * term.error:.3f}, subtracted: {term.taken}")
 
 # %% [markdown]
-# Viscous and Coulomb friction look alike in a slow motion. Ordinary least squares makes b1 or b2 negative, which no
-# joint can be. The recommended method predicts torque and position of the falls best among the methods whose
+# Viscous and Coulomb friction look alike in a slow motion. Ordinary least squares makes b1 and b2 negative, which no
+# friction can be, with intervals that contain zero. The recommended method predicts torque and position of the falls best among the methods whose
 # parameters an arm can have.
 
 # %%
@@ -75,7 +75,8 @@ print(result.of("ordinary").parameters.loc[["b1", "b2", "k1", "k2"], ["estimate"
 print(result.errors[["log", "part", "joint", "relative_rms"]].round(3).to_string(index=False))
 
 # %% [markdown]
-# The errors on the falls are larger than on the fitted log. The figure shows the first fall. After the release at 5 s
+# At joint 1 the errors on both falls are larger than on the fitted log, at joint 2 that on the first fall only. The
+# figure shows the first fall. After the release at 5 s
 # no torque acts. The model predicts some, because a large acceleration multiplies small errors of the inertias.
 
 # %%

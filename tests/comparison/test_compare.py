@@ -113,6 +113,11 @@ def test_the_smallest_limit_of_a_trained_number_is_allowed(widest, deviation, al
     assert spread.allowed("tables/table10", {**TRAINED, "total_sd": deviation}, "total") == pytest.approx(allowed)
 
 
+def test_a_similarity_in_percent_may_differ_by_a_hundred_times_as_much():
+    row = {**TRAINED, "total_sd": "50", "unit": "%"}
+    assert Tolerances(widest={}).allowed("tables/table10", row, "total") == pytest.approx(100.0 * LARGEST)
+
+
 def test_of_a_number_whose_scatter_is_not_known_a_difference_is_named_but_not_judged(tmp_path, capsys):
     loss = [{"step": "1", "test_loss": "0.5"}]
     a, b = (tmp_path / name for name in "ab")

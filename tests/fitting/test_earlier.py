@@ -1,5 +1,7 @@
 """A result is compared with an earlier one: a change that the intervals do not explain is named."""
 
+import json
+
 import numpy as np
 import pytest
 from experiment_example import refused
@@ -7,6 +9,7 @@ from log_example import BETA, motion
 from regression_example import log_from, with_noise
 
 import repro
+from repro.fitting.earlier import changes_since
 
 
 def identified(beta, seed, **options):
@@ -30,6 +33,16 @@ def test_the_same_arm_agrees_and_a_heavier_link_does_not(earlier):
     changed = {c.name: c for c in identified(heavier, 3, earlier=earlier).details.changes}
     assert changed["g2"].agree is False and changed["g1"].agree
     assert changed["g2"].now / changed["g2"].before == pytest.approx(1.1, rel=0.01)
+
+
+@pytest.mark.parametrize(("share", "agree"), [(0.9, True), (1.1, False)])
+def test_a_change_may_be_as_large_as_the_root_of_the_sum_of_squares_of_the_half_widths(earlier, tmp_path, share, agree):
+    content, result = json.loads(earlier.read_text()), identified(BETA, 2).details
+    for before, now in zip(content["methods"][0]["parameters"], result.best.parameters, strict=True):
+        halves = 0.5 * np.array([before["high"] - before["low"], now.high - now.low])
+        before["estimate"] = now.estimate - share * np.linalg.norm(halves)
+    (tmp_path / "moved.json").write_text(json.dumps(content))
+    assert [change.agree for change in changes_since(tmp_path / "moved.json", result)] == [agree] * 9
 
 
 def test_a_method_without_intervals_or_a_parameter_at_its_bound_is_not_judged(earlier):

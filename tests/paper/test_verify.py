@@ -111,6 +111,8 @@ def test_page_and_settings_that_are_kept_with_results_are_checked_under_a_new_se
     assert changed_settings(Path("results"), config, project) == []
     (line,) = changed_settings(Path("results"), {**config, "claims": {}}, project)[:1]
     assert "claims.enforce: found True, expected nothing" in line
+    (line,) = changed_settings(Path("results"), {**config, "more": 1}, project)[:1]
+    assert "more: found nothing, expected 1" in line
     changes = [
         ("claims.md", "| better |", "| worse |", "found another text"),
         ("config.yaml", "margin_samples: 40", "margin_samples: 41", "numeric.margin_samples"),

@@ -174,6 +174,18 @@ def test_set_up_refuses_an_interpreter_that_cannot_work_in_one_line(folder, answ
 
 
 @needs_make
+@pytest.mark.parametrize(
+    ("version", "accepted"), [((3, 10, 9), False), ((3, 11, 0), True), ((3, 13, 5), True), ((3, 14, 0), False)]
+)
+def test_set_up_accepts_the_versions_that_it_names(folder, version, accepted):
+    interpreter, code = folder / "python", f"import sys; sys.version_info = {version}; exec(sys.argv[1])"
+    call = f'[ "$1" = -c ] && exec {sys.executable} -c "{code}" "$2"\nexec {sys.executable} "$@"\n'
+    interpreter.write_text(f"#!/bin/sh\n{call}", encoding="utf-8")
+    interpreter.chmod(0o755)
+    assert (make(folder, "--silent", "check-python", f"PYTHON={interpreter}").returncode == 0) is accepted
+
+
+@needs_make
 def test_a_path_that_the_shell_would_split_is_refused_in_one_line(folder):
     blank = folder / "my user's folder"
     blank.mkdir()
@@ -238,7 +250,11 @@ def test_a_set_up_without_packages_ends_with_one_line(set_up):
 
 @pytest.mark.parametrize(
     ("make", "last"),
-    [('[ "$1" != test ]', "== checks and tests"), ("true", "error: the second golden run had")],
+    [
+        ('[ "$1" != test ]', "== checks and tests"),
+        ("true", "error: the second golden run had"),
+        ("echo 'Nothing to be done'", "error: the second golden run had"),  # one of its two calls of Snakemake alone
+    ],
 )
 def test_ci_ends_at_the_first_check_that_fails(tmp_path, make, last):
     programs = tmp_path / "programs"

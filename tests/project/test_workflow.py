@@ -115,6 +115,11 @@ def outputs(workflow, target):
     return {str(file): job.rule.name for job in needed(workflow, target) for file in job.output}
 
 
+def test_trainings_have_the_keys_by_which_their_history_is_written(full):
+    trainings = [job.params.config["training"] for job in full.dag.jobs if job.rule.name == "train"]
+    assert len(trainings) > 2 and all({"log_every", "test_samples"} <= keys.keys() for keys in trainings)
+
+
 def test_the_default_target_makes_every_table_and_figure(full):
     made = outputs(full, "all")
     expected = {f"results/identification/numeric{s}-seed{k}.json" for s in NETWORKS for k in SEEDS}
