@@ -142,7 +142,7 @@ PHRASES = [
     (EXPERIMENT, "experiments in which it is better is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
     (
         COVERAGE,
-        "is {:.1f} points of similarity on T1 to T4 (95 % interval {:.1f} to {:.1f})",
+        "is {:.1f} points of similarity below plain least squares on T1 to T4 (95 % interval {:.1f} to {:.1f}",
         pair("algorithm1", "least-squares"),
     ),
     (COVERAGE, "least squares (matched to the printed 89.17) | {:.1f} |", [MEDIAN["least-squares"]]),
