@@ -262,7 +262,7 @@ PHRASES = [
     ("docs/results.md", "The mean is {:.2f} %, published 97.45 %", [VALIDATION["algorithm1"]]),
     (
         "docs/evaluate-in-60-minutes.md",
-        "The reference has {:.2f} %. Five runs predict the next one to +-{:.0f} points",
+        "The reference has {:.2f} %. From five runs the 95 % prediction for one further run is +-{:.0f} points",
         [TRACED["ours"], TRACED["tolerance"]],
     ),
     (
