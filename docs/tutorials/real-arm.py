@@ -49,8 +49,8 @@ print(result.method)
 print(result.parameters[["estimate", "low", "high", "unit"]].round(3))
 
 # %% [markdown]
-# Every parameter has a verdict in words. All but those that the method keeps at zero have a 95 % interval. The gears rub
-# more under load, which Eq. 1 does not model. The log shows it, so this friction is subtracted and reported:
+# Every parameter has a verdict in words. All but those that the method keeps at zero have a 95 % interval. The gears
+# rub more under load, which Eq. 1 does not model. The log shows it, so this friction is subtracted and reported:
 
 # %%
 for name, verdict in result.parameters["verdict"].items():
@@ -60,8 +60,8 @@ for term in result.details.terms:
 
 # %% [markdown]
 # Viscous and Coulomb friction look alike in a slow motion. Ordinary least squares makes b1 and b2 negative, which no
-# friction can be, with intervals that contain zero. The recommended method predicts torque and position of the falls best among the methods whose
-# parameters an arm can have.
+# friction can be, with intervals that contain zero. The recommended method predicts torque and position of the falls
+# best among the methods whose parameters an arm can have.
 
 # %%
 print(result.of("ordinary").parameters.loc[["b1", "b2", "k1", "k2"], ["estimate", "low", "high"]].round(3))
@@ -76,8 +76,8 @@ print(result.errors[["log", "part", "joint", "relative_rms"]].round(3).to_string
 
 # %% [markdown]
 # At joint 1 the errors on both falls are larger than on the fitted log, at joint 2 that on the first fall only. The
-# figure shows the first fall. After the release at 5 s
-# no torque acts. The model predicts some, because a large acceleration multiplies small errors of the inertias.
+# figure shows the first fall. After the release at 5 s no torque acts. The model predicts some, because a large
+# acceleration multiplies small errors of the inertias.
 
 # %%
 result.plot(log=1)

@@ -26,7 +26,7 @@ MOST_DIGITS = 18
 _INTEGER = re.compile(rf"[-+]?(0|[1-9][0-9]{{0,{MOST_DIGITS - 1}}})")
 #: What YAML 1.1, also as Snakemake reads it, takes for text: it wants a point and a sign.
 _POWER_OF_TEN = re.compile(r"[-+]?[0-9]+(?:\.[0-9]*)?[eE][-+]?[0-9]{1,3}")
-_DIGITS = f"{MOST_DIGITS} decimal digits at most"
+_DIGITS = f"{MOST_DIGITS} decimal digits at most, without a leading zero"
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _TOO_DEEP = ("lists within lists without end", f"at most {DEEPEST} within each other")
 

@@ -171,7 +171,7 @@ def _is_rotor_needed(a: Array, b: Array, chosen: Sequence[int], elastic: Array) 
     without = np.concatenate([a[..., nine_and([k for k in chosen if k != _ROTOR])], elastic], axis=-1)
     with_it = np.concatenate([without, a[..., [N_NINE + _ROTOR]]], axis=-1)
     smaller, larger = (float(np.log(cross_validation_error(part, b)).sum()) for part in (with_it, without))
-    return smaller < larger + np.log(1.0 - TERMS[ROTOR].min_reduction)
+    return bool(smaller < larger + np.log(1.0 - TERMS[ROTOR].min_reduction))
 
 
 def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tuple[tuple[ExtraTerm, ...], Array]:
