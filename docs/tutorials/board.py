@@ -86,10 +86,10 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# I1, I3, g1 and g2 are within 12 % of the true values now, and all intervals but those of k1 and k2 contain them. k1
-# contains Stribeck friction, and its verdict says so. The friction of joint 2 grows with the torque of its drive. The
-# tool finds this friction, but subtracts it in proportion to the load behind the gear. The intervals do not allow for
-# the difference, so that of k2 is too narrow. The residual shows the ripple:
+# I1, I3, g1 and g2 are within 12 % of the true values now, and all intervals but that of k1 contain them. k1 contains
+# Stribeck friction, and its verdict says so. The friction of joint 2 grows with the torque of its drive. The tool
+# finds this friction, but subtracts it in proportion to the load behind the gear. A rotor that the arm does not have
+# explains part of the difference. The residual shows the ripple:
 
 # %%
 fast.plot(log=0)

@@ -100,7 +100,7 @@ def identify(
     >>> import repro
     >>> result = repro.identify("data/captures/ID.bin", validate="data/captures/T2.bin", method="bounded")
     >>> result.parameters.loc["g1", "verdict"]
-    'known to 32 %'
+    'known to 31 %'
     >>> result.parameters["estimate"].round(2).to_dict()
     {'I1': 0.1, 'I2': 0.01, 'I3': 0.03, 'g1': 0.41, 'g2': 0.1, 'b1': 0.09, 'b2': 0.03, 'k1': 0.45, 'k2': 0.33}
     >>> unseen = result.errors[result.errors["part"] == "validation"]

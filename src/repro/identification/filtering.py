@@ -32,7 +32,7 @@ Moved = tuple[Array, Array, Array]
 #: Samples of a log that is long enough to be shortened to a length that is quickly transformed.
 MIN_SHORTENED_SAMPLES = 4096
 #: Squared coherence of the torque, of both joints, and amplitude of the position over its noise, of the better joint.
-MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 20.0
+MIN_COHERENCE, MIN_SIGNAL_TO_NOISE = 0.5, 10.0
 MIN_CUTOFF_HZ, MAX_CUTOFF_HZ = 1.0, 10.0  # range of the cut-off
 SEGMENT = 3.0  # length of a segment of the spectra, s
 #: Coefficients of the cosines that add up to a window of the spectra.
