@@ -10,6 +10,7 @@ from regression_example import beta_of, log_from, with_noise
 
 from repro.identification.extra_terms import ExtraTerm, subtract_terms
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings
+from repro.identification.log import Log
 from repro.identification.regression import solve
 from repro.identification.term_selection import best_subset, cross_validation_error, find_terms
 from repro.model.dynamics import inverse_dynamics
@@ -75,6 +76,23 @@ def test_a_term_is_judged_by_the_errors_of_its_own_joint(joint):
     b[joint] += 0.1 * a[joint, :, 9]
     assert best_subset(a, b, {0: 0.05}, by_joint=True) == [0]
     assert best_subset(a, b, {0: 0.05}) == []
+
+
+@pytest.mark.parametrize("seed", [4, 9])
+def test_elastic_gears_are_not_taken_for_a_rotor(seed):
+    rng, t, beta = np.random.default_rng(seed), np.arange(6000) / 300.0, [0.215, 0.114, 0.028, 5.76, 1.52]
+    size = rng.normal(0.0, 0.35, (2, 12)) / np.sqrt(np.arange(1, 13))
+    w, phase = 0.2 * np.pi * np.arange(1, 13), rng.uniform(0.0, 2.0 * np.pi, (2, 12))
+    turned = np.exp(1j * (w * t[:, None, None] + phase))
+    q, dq, ddq = (np.einsum("njk,jk->jn", turned, size * (1j * w) ** order).imag for order in range(3))
+    load = inverse_dynamics(q, dq, ddq, np.array([*beta, 0, 0, 0, 0]))
+    tau = inverse_dynamics(q, dq, ddq, np.array([*beta, 0.38, 0.079, 0.41, 0.077]))
+    elastic = q + np.radians(0.6) * load / np.abs(load).max(axis=1, keepdims=True)  # behind the encoder
+    noise = 0.02 * np.sqrt(np.mean(tau**2, axis=1, keepdims=True)) * rng.normal(size=tau.shape)
+    for rotor, found in ((0.0, []), (0.1 * beta[2], ["rotor2"])):
+        log = Log(name="elastic", t=t, q=elastic, tau=tau + noise + np.array([[0.0], [rotor]]) * ddq)
+        terms = find_terms([(log, FilterSettings(cutoff=5.0))], False)[0]
+        assert [term.name for term in terms if term.taken] == found
 
 
 def test_logs_of_one_arm_have_one_rotor():
