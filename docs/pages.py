@@ -9,6 +9,7 @@ import dataclasses
 import inspect
 import json
 import re
+import runpy
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -34,8 +35,12 @@ PAGES = (
     "docs/results.md",
     "docs/explanation/experiment.md",
     "docs/explanation/least-squares.md",
+    "docs/explanation/methods-and-intervals.md",
     "docs/explanation/study.md",
 )
+#: Kinds of effect whose coverage the page on intervals shows, and the generators of their arms.
+COVERED = ("clean", "coarse", "constant", "position", "friction", "temperature", "rotor5", "rotor30+flexible")
+GENERATORS = ("board", "planar")
 NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION = MOTIONS[1:]
@@ -287,6 +292,25 @@ def examples(body: str) -> str:
     return "\n\n".join(f"```pycon\n{block}\n```" if block.startswith(">>>") else prose(block) for block in blocks)
 
 
+def interval_coverage() -> str:
+    """Coverage of the intervals of `repro identify`, as the benchmark measured it."""
+    measured = pd.read_csv(ROOT / "benchmarks/results/interval_coverage.csv").set_index(["kind", "generator"])
+    effects = runpy.run_path(str(ROOT / "benchmarks/planar_arms.py"))["KINDS"]
+    heads = ["unmodelled effect"]
+    for what in ("coverage, %", "half width, %", "plain bootstrap, coverage, %"):
+        heads += [f"{what}: {GENERATORS[0]}", GENERATORS[1]]
+    rows = []
+    for kind in COVERED:
+        of_kind = measured.loc[kind].reindex(GENERATORS)
+        columns = {"coverage": ".0f", "half width": ".2g", "plain coverage": ".0f"}
+        shown = [
+            "\N{EN DASH}" if pd.isna(x) else f"{x:{form}}" for name, form in columns.items() for x in of_kind[name]
+        ]
+        wrong, claims = of_kind[["wrong claims", "claims"]].sum().astype(int)
+        rows.append([effects[kind], *shown, f"{wrong} of {claims}"])
+    return markdown([*heads, '"known to x %" and off by more'], rows)
+
+
 def settings_fields(what: object) -> list[str]:
     """Table of the fields of a class of settings, from their keys; empty for anything else."""
     if what not in (repro.SearchSettings, repro.SignalSettings):
@@ -299,7 +323,10 @@ def settings_fields(what: object) -> list[str]:
     return [markdown(["field", "default", "unit", "meaning"], rows)]
 
 
-COMPUTED = (headline, verdicts, table06, table07, table10, methods, costs, verdict, arm_file, commands, api)
+COMPUTED = (
+    *(headline, verdicts, table06, table07, table10, methods, costs, verdict),
+    *(interval_coverage, arm_file, commands, api),
+)
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
 TABLES |= {
     name: partial(laid_out, name) for name in ("accepted", "factorial", "hypotheses", "board_size", "study_claims")

@@ -26,7 +26,7 @@ MOST_DIGITS = 18
 _INTEGER = re.compile(rf"[-+]?(0|[1-9][0-9]{{0,{MOST_DIGITS - 1}}})")
 #: What YAML 1.1, also as Snakemake reads it, takes for text: it wants a point and a sign.
 _POWER_OF_TEN = re.compile(r"[-+]?[0-9]+(?:\.[0-9]*)?[eE][-+]?[0-9]{1,3}")
-_DIGITS = f"{MOST_DIGITS} decimal digits at most, without a leading zero"
+_DIGITS = f"{MOST_DIGITS} decimal digits at most"
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _TOO_DEEP = ("lists within lists without end", f"at most {DEEPEST} within each other")
 
@@ -107,7 +107,7 @@ class Loader(yaml.SafeLoader):
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
         """Build an integer from decimal digits; YAML would read 1:30 as 90 and 010 as 8."""
         if not _INTEGER.fullmatch(node.value):
-            raise self._refused(node, repr(node.value[:40]), f"an integer of {_DIGITS}")
+            raise self._refused(node, repr(node.value[:40]), f"an integer of {_DIGITS}, without a leading zero")
         return int(node.value)
 
     def construct_yaml_float(self, node: yaml.ScalarNode) -> float:

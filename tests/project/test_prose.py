@@ -12,7 +12,10 @@ from experiment_example import ROOT
 
 REFERENCE = ROOT / "docs/reference"
 EXPERIMENT, STUDY, COVERAGE = (f"docs/explanation/{name}.md" for name in ("experiment", "study", "least-squares"))
-WORTH = "docs/explanation/worth.md"
+WORTH, INTERVALS = (f"docs/explanation/{name}.md" for name in ("worth", "methods-and-intervals"))
+#: Coverage of intervals by generator and kind; kinds without a calibration error but for torque that looks like one.
+MEASURED = pd.read_csv(ROOT / "benchmarks/results/interval_coverage.csv")
+UNCALIBRATED = MEASURED.query("kind not in ('offset', 'scale1', 'position')")
 
 
 def table(name):
@@ -273,6 +276,30 @@ PHRASES = [
             ELEMENTS.loc["board", "most"] - PUBLISHED_ELEMENTS,
             PUBLISHED_ELEMENTS - ELEMENTS.loc["board", "least"],
         ],
+    ),
+    (
+        INTERVALS,
+        "On simulated arms {:.0f} to {:.0f} % of the intervals",
+        [MEASURED["coverage"].min(), MEASURED["coverage"].max()],
+    ),
+    (
+        INTERVALS,
+        'Of all {:,} claims "known to x %", {} ({:.1f} %) are off by more',
+        [
+            MEASURED["claims"].sum(),
+            MEASURED["wrong claims"].sum(),
+            100.0 * MEASURED["wrong claims"].sum() / MEASURED["claims"].sum(),
+        ],
+    ),
+    (
+        INTERVALS,
+        "does not have was corrected in {} of {} logs",
+        [UNCALIBRATED["corrected"].sum(), UNCALIBRATED["arms"].sum()],
+    ),
+    (
+        INTERVALS,
+        "which was corrected in {} of {}",
+        [MEASURED.query("kind == 'position'")[name].sum() for name in ("corrected", "arms")],
     ),
     (
         STUDY,
