@@ -181,7 +181,8 @@ def _logarithmic(axes: Axes) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=steps))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_locator(NullLocator())
 
 
 def draw_cutoff(curve: Cutoff, simulated: bool = False) -> Figure:
@@ -243,7 +244,7 @@ def _panel(axes: Axes, estimates: dict[str, Parameter], titles: dict[str, str]) 
     first = next(iter(estimates.values()))
     axes.set_xlim(low, high)
     axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10]))
-    axes.set_xlabel(f"${first.name[0]}_{first.name[1:]}$ ({unit(first.unit).md})")
+    axes.set_xlabel(f"{first.name} ({unit(first.unit).md})")
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")
 
