@@ -306,9 +306,9 @@ class Accepted(Section):
         allowed="rising, above `guesses`",
     )
     detailed_experiments: Whole = key(
-        "number of experiments, from the first, with these, every seed, and the extensions", "experiments"
+        "number of experiments, from the first, with these and the extensions", "experiments"
     )
-    seeds: Seeds = key("guesses of Algorithm 1: one search each; the first for all experiments")
+    seeds: Seeds = key("guesses of Algorithm 1: one search each")
 
 
 class Spread(Section):

@@ -31,8 +31,8 @@ def search_accepted(
 ) -> pd.DataFrame:
     """Scores of one experiment: least squares, the true parameters, and Algorithm 1 within each budget of guesses.
 
-    An experiment in detail has every seed, the further budgets with the first of them, and the extensions that the
-    weights are given for; any other has Algorithm 1 as listed with the first seed.
+    An experiment in detail also has the further budgets with the first seed, and the extensions that the weights are
+    given for.
     """
     a, metric = config.accepted, config.metric
     place, experiment = next(
@@ -57,7 +57,7 @@ def search_accepted(
     add(experiment.true, method="true", **none)
     detailed = place < a.detailed_experiments
     networks = [name for name, file in DETAILED.items() if file < len(weights)] if detailed else ["published"]
-    for name, seed in product(networks, a.seeds if detailed else a.seeds[:1]):
+    for name, seed in product(networks, a.seeds):
         own = of_network(config, name)
         algorithm1 = for_the_arm(algorithm1_of(name, weights[DETAILED[name]], own), own)
         method = "algorithm1" if name == "published" else f"algorithm1+{name}"
