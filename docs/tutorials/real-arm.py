@@ -1,8 +1,8 @@
 # %% [markdown]
 # # A real arm, from Python
 #
-# Least squares identifies this arm with a torque error of 4 to 10 % on the log and of 8 to 12 % on other motions.
-# Inertia and gravity agree to about 12 % with what its owners published.
+# Least squares identifies this arm with a torque error of 4 to 10 % on the log and of 7.5 to 12.3 % on two falls.
+# Inertia and gravity differ by 3 to 11 % from what its owners published.
 #
 # The Underactuated Robotics Lab of DFKI RIC has published logs of a two-joint arm that swings in the vertical plane:
 # the double pendulum "design A.0", with links of 0.3 m and motors geared 6:1. Its angles and signs are those of Eq.
@@ -18,7 +18,7 @@
 # ```
 #
 # `snakemake --cores 1 tutorials` runs this page again, from the logs in `mine/` or in the folder that the environment
-# variable `REPRO_REALDATA` names. The output here is of copies with six decimals.
+# variable `REPRO_REALDATA` names. The output here comes from copies of the logs, rounded to six decimals.
 #
 # ## Look at the log
 
@@ -49,8 +49,9 @@ print(result.method)
 print(result.parameters[["estimate", "low", "high", "unit"]].round(3))
 
 # %% [markdown]
-# Every parameter has a verdict in words. All but those that the method keeps at zero have a 95 % interval. The gears
-# rub more under load, which Eq. 1 does not model. The log shows it, so this friction is subtracted and reported:
+# Every parameter has a verdict in words. Parameters that the method holds at zero have no interval. The others have a
+# 95 % interval. The gears rub more under load, which Eq. 1 does not model. The log shows it, so this friction is
+# subtracted and reported:
 
 # %%
 for name, verdict in result.parameters["verdict"].items():
@@ -103,7 +104,7 @@ print("after 0.3 s:", q[:, -1].round(2), "rad")
 # %% [markdown]
 # ## Compare with what the owners published
 #
-# Their model has masses, lengths, inertias and a rotor inertia. In the parameters of Eq. 1 they are:
+# Their model has masses, lengths, inertias about the joints and a rotor inertia. In the parameters of Eq. 1 they are:
 
 # %%
 m1, m2, l1, r1, r2, g = 0.5593806, 0.6043459, 0.3, 0.3, 0.1837769, 9.81
