@@ -64,7 +64,7 @@ def main() -> None:
         failure = install_cpu_build(Path(name))
     if failure:
         print(f"The CPU build cannot be had ({failure}).")
-        print("Downloading the registry's build, on Linux 2.7 GB: .venv takes 5.4 GB instead of 1.6", flush=True)
+        print("Downloading the registry's build, on Linux 2.7 GB: .venv takes 5.2 GB instead of 1.4", flush=True)
     require(LOCK.name, *run(*INSTALL, *LOCKED, LOCK))
     if not is_importable("torch"):  # the CUDA build without its libraries, which are named by its own metadata
         require(version, *run(*INSTALL, version))

@@ -1,6 +1,6 @@
 rule ablation_train:
     input:
-        tracked=f"{R}/data/tracked.safetensors",
+        tracked=TRACKED_MOTIONS,
     output:
         weights=f"{R}/ablation/{{trained}}.safetensors",
         history=f"{R}/ablation/{{trained}}.csv",

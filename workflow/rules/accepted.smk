@@ -1,5 +1,5 @@
-# Which experiments the printed numbers do not rule out. Needs the extra matching; `all` reads
-# the kept data/experiments.
+# Which experiments the printed numbers do not rule out. The first two rules need the extra matching; `all` reads the
+# kept data/experiments.
 rule match_start:
     output:
         f"{R}/matching/{{hypothesis}}-{{start}}.json",
@@ -58,7 +58,7 @@ rule score_spread:
     input:
         **ACCEPTED,
         weights=expand(f"{R}/model/cnn{{suffix}}.safetensors", suffix=["", "-tracked"]),
-        mean_torque=f"{R}/data/mean_torque.csv",
+        mean_torque=MEAN_TORQUE,
     output:
         f"{R}/accepted/methods.csv",
     priority: LONG

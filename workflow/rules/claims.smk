@@ -24,7 +24,7 @@ rule claims:
 rule verify:
     input:
         **LEDGER_SOURCES,
-        ledger=[f"{R}/claims.csv", f"{R}/claims.md", f"{R}/claims.sha256"],
+        ledger=LEDGER,
     output:
         f"{R}/verified.txt",
     params:

@@ -1,6 +1,11 @@
 CODE = CodeDigests()
 
 CALL = "../scripts/call.py"
+# Files that several rules name.
+MEAN_TORQUE = f"{R}/data/mean_torque.csv"
+TRACKED_MOTIONS = f"{R}/data/tracked.safetensors"
+TABLE_FILES = expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"])
+LEDGER = [f"{R}/claims.csv", f"{R}/claims.md", f"{R}/claims.sha256"]
 # What others wait for, the networks, which take most of a run, then what takes long, so that no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
 
@@ -76,7 +81,7 @@ def training_sections(wildcards):
 
 def factorial_motions(wildcards):
     """Motions that a network of the factorial is trained on, where they are not Eq. 10's own."""
-    return f"{R}/data/tracked.safetensors" if CELLS[wildcards.cell].motions == "tracked" else []
+    return TRACKED_MOTIONS if CELLS[wildcards.cell].motions == "tracked" else []
 
 
 def factorial_training_sections(wildcards):
@@ -111,8 +116,8 @@ FACTORIAL_SECTIONS = {**sections(*USED, *ARM), "factorial": FACTORIAL}
 
 # Networks of the tables, by the suffix of their files; the paper's own recipe is a target of its own.
 SUFFIXES = ["", "-tracked"]
-# Those of the arm: the motions of the training and the motion of line 18 are crossed there.
 RECIPE_SUFFIXES = ["-paper-recipe", "-paper-recipe-ranges"]
+# Those of the arm: the motions of the training and the motion of line 18 are crossed there.
 ARM_SUFFIXES = [*SUFFIXES, "-desired", "-tracked-measured"]
 
 
@@ -146,7 +151,7 @@ def stored_network(wildcards):
 def tracked_motions(wildcards):
     """Motions that a network is trained on, where they are not Eq. 10's own."""
     motions = of_network(SETTINGS, network_name(wildcards.suffix)).data.motions
-    return [] if is_stored(wildcards) or motions == "ideal" else f"{R}/data/tracked.safetensors"
+    return [] if is_stored(wildcards) or motions == "ideal" else TRACKED_MOTIONS
 
 
 def identifications(suffixes):
@@ -188,7 +193,7 @@ def experiment_identifications(suffix=""):
 # What the ledger and its tables are made from: changed afterwards, its verification fails.
 LEDGER_SOURCES = {
     "captures": lambda wildcards: present_files(*PROGRAMS),
-    "tables": expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
+    "tables": TABLE_FILES,
     "training": f"{R}/model/training.csv",
     "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
     "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],

@@ -2,8 +2,8 @@ rule check_coverage:
     input:
         captures=captures(["ID"]),
         weights=f"{R}/model/cnn-tracked.safetensors",
-        motions=f"{R}/data/tracked.safetensors",
-        mean_torque=f"{R}/data/mean_torque.csv",
+        motions=TRACKED_MOTIONS,
+        mean_torque=MEAN_TORQUE,
     output:
         coverage=f"{R}/coverage/coverage.csv",
         ranks=f"{R}/coverage/ranks.csv",

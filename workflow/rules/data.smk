@@ -1,6 +1,6 @@
 rule simulate_tracked:
     output:
-        out=f"{R}/data/tracked.safetensors",
+        out=TRACKED_MOTIONS,
     priority: AWAITED
     params:
         *call("repro.experiments.simulated_arms:simulate_tracked"),
@@ -13,7 +13,7 @@ rule simulate_tracked:
 
 rule mean_torque:
     output:
-        f"{R}/data/mean_torque.csv",
+        MEAN_TORQUE,
     priority: AWAITED
     params:
         *call("repro.experiments.identifications:mean_torque"),

@@ -46,7 +46,7 @@ rule identify_experiment:
     input:
         captures=captures(["ID"]),
         weights=lambda wildcards: weights(wildcards.suffix),
-        mean_torque=f"{R}/data/mean_torque.csv",
+        mean_torque=MEAN_TORQUE,
     output:
         expand(
             f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",

@@ -26,7 +26,7 @@ rule score_factorial:
     input:
         **ACCEPTED,
         weights=f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
-        mean_torque=f"{R}/data/mean_torque.csv",
+        mean_torque=MEAN_TORQUE,
     output:
         f"{R}/factorial/{{cell}}-seed{{seed}}-search{{search}}.csv",
     resources:

@@ -1,7 +1,7 @@
 rule identify_numeric:
     input:
         weights=f"{R}/model/cnn{{suffix}}.safetensors",
-        mean_torque=f"{R}/data/mean_torque.csv",
+        mean_torque=MEAN_TORQUE,
     output:
         expand(
             f"{R}/identification/numeric{{suffix}}-seed{{seed}}.json",

@@ -4,7 +4,7 @@ TEMPLATES = own_folder("src/repro/report")
 rule report:
     input:
         claims=f"{R}/claims.csv",
-        tables=expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"]),
+        tables=TABLE_FILES,
         figures=expand(f"{F}/{{figure}}.{{ext}}", figure=ALL_FIGURES, ext=["png", "pdf"]),
         numbers=expand(f"{R}/figures/{{figure}}.csv", figure=ALL_FIGURES),
         captures=lambda wildcards: present_files(*PROGRAMS),

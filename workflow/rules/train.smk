@@ -11,7 +11,7 @@ rule train:
         ),
         card=f"{R}/model/model-card{{suffix}}.md",
     priority: TRAINING
-    # Two threads of one network wait for each other; two networks side by side make more steps and do not mind company.
+    # One thread, the default: two threads of one network wait for each other, two networks side by side do not.
     resources:
         mem_mb=3000,
         runtime=90,
