@@ -33,6 +33,7 @@ PAGES = (
     "docs/commands.md",
     "docs/log-files.md",
     "docs/results.md",
+    "docs/explanation/causes.md",
     "docs/explanation/experiment.md",
     "docs/explanation/least-squares.md",
     "docs/explanation/methods-and-intervals.md",
