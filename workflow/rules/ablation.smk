@@ -23,6 +23,8 @@ rule ablation_run:
         captures=captures(PROGRAMS),
     output:
         f"{R}/ablation/readings/{{reading}}.json",
+    resources:
+        runtime=30,
     params:
         *call("repro_studies.ablation:run_variant"),
         config=sections(*USED, *ARM, "networks", "numeric", "ablation"),

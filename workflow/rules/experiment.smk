@@ -54,6 +54,8 @@ rule identify_experiment:
             allow_missing=True,
         ),
     priority: LONG
+    resources:
+        runtime=30,
     params:
         *call("repro.experiments.networks:identify_experiment"),
         seeds=SETTINGS.experiment.search_seeds,

@@ -9,6 +9,8 @@ rule identify_numeric:
             allow_missing=True,
         ),
     priority: LONG
+    resources:
+        runtime=30,
     params:
         *call("repro.experiments.networks:identify_numeric"),
         seeds=SETTINGS.numeric.seeds,
