@@ -110,6 +110,13 @@ LONG_RESULTS = {
         ("repro.matching.search:fit_start", "repro.matching.search:collect"),
         sections=(*ARM, "matching"),
     ),
+    "accepted_networks": LongResult(
+        "benchmarks/results/accepted_networks.csv",
+        "snakemake accepted --configfile OVERLAY (docs/explanation/experiment.md#other-networks)",
+        ("repro.experiments.guesses:search_accepted", "repro.experiments.training:train_network"),
+        sections=(*USED, *ARM[1:], "networks", "accepted"),
+        inputs=(EXPERIMENTS,),
+    ),
     "networks_spread": LongResult(
         "src/repro/spread.csv",
         "python benchmarks/training_spread.py RUN ...",
