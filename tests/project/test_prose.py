@@ -226,7 +226,7 @@ PHRASES = [
     ("docs/explanation/limitations.md", "differ by {:.0f} to {:.0f} points", [SCATTER.min(), SCATTER.max()]),
     (
         "README.md",
-        "Single runs are rarely above: {} of {}, and {} of {} with two other trained networks, by at most {:.1f} points",
+        "Single runs are rarely above: {} of {}, and {} of {} with two other trained networks, by at most {:.1f}",
         [
             *((ABOVE > 0).sum(), len(ABOVE), len(EXCESS), len(OTHERS.query("guesses == 100_000"))),
             max(ABOVE.max(), EXCESS.max()),
