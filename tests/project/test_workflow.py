@@ -204,17 +204,31 @@ def test_a_bad_configuration_ends_the_run_with_one_line(tmp_path):
     folder = project(tmp_path)
     overlay, captures = folder / "my.yaml", folder / "mine"
     overlay.write_text("training: {stepz: 5}", encoding="utf-8")
-    assert refused(folder, "--configfile", str(overlay)).place == f"{overlay}: training.stepz"
+    assert refused(folder, "--configfile", str(overlay)).place == "my.yaml: training.stepz"
     captures.mkdir()
     for file in (ROOT / "data/captures").glob("*.[bpj]*"):
         (captures / file.name).symlink_to(file)
     overlay.write_text("experiment: {captures: mine}", encoding="utf-8")
     (captures / "T2.json").unlink()
     error = refused(folder, "claims", "--configfile", str(overlay))
-    assert error.place == f"{overlay}: experiment.captures" and "T2.json" in str(error)
+    assert error.place == "my.yaml: experiment.captures" and "T2.json" in str(error)
     (folder / "data").unlink()
     error = refused(folder, "results/quick/model/training.csv", "--configfile", str(QUICK))
     assert error.place.endswith("quick.yaml: training.source") and error.found == "stored"
+
+
+def test_no_job_depends_on_the_folder_of_its_configuration(tmp_path):
+    """A copy of a finished run has nothing to do."""
+    plans = []
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        folder = project(tmp_path / name)
+        (folder / "my.yaml").write_text("experiment: {margin_samples: 39}", encoding="utf-8")
+        with others_names():
+            jobs = plan(folder, {"report"}, folder / "my.yaml").dag.jobs
+        plans.append({job.rule.name: repr(job.params) for job in jobs})
+    assert len(plans[0]) > 10
+    assert plans[0] == plans[1]
 
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.

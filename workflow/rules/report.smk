@@ -16,7 +16,7 @@ rule report:
         made_on_request(Path(R), Path(F), pages_of(TEMPLATES)),
         checkout=lambda wildcards, input: os.path.dirname(input.templates[0]),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
-        overlays=[str(name) for name in workflow.overwrite_configfiles],
+        overlays=CONFIG_FILES[1:],
         digest=config_digest(config),
         config=stated(SETTINGS, "results", "figures", "training"),
     message:
