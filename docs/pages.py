@@ -50,7 +50,7 @@ VALIDATION = MOTIONS[1:]
 HEADLINE = {
     "algorithm1": ("Algorithm 1", "`table06` `table07` `table10` `accepted`"),
     "algorithm1/one-run": ("Algorithm 1, one run", "`table10`"),
-    "algorithm1+paper-recipe-ranges": ("Algorithm 1, trained as printed*", "`paper_recipe`"),
+    "algorithm1+paper-recipe-ranges": ("Algorithm 1, trained as printed", "`paper_recipe`"),
     "algorithm1+refinement": ("Algorithm 1 + refinement", "`table06` `table07` `table10`"),
     "least-squares": ("Least squares", "as Algorithm 1"),
     "bounded": ("Nonnegative least squares", "as Algorithm 1"),
