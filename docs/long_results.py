@@ -113,7 +113,11 @@ LONG_RESULTS = {
     "accepted_networks": LongResult(
         "benchmarks/results/accepted_networks.csv",
         "snakemake accepted --configfile OVERLAY (docs/explanation/experiment.md#other-networks)",
-        ("repro.experiments.guesses:search_accepted", "repro.experiments.training:train_network"),
+        (
+            "repro.experiments.accepted:simulate_accepted",
+            "repro.experiments.guesses:search_accepted",
+            "repro.experiments.training:train_network",
+        ),
         sections=(*USED, *ARM[1:], "networks", "accepted"),
         inputs=(EXPERIMENTS,),
     ),

@@ -49,7 +49,7 @@ print(result.method)
 print(result.parameters[["estimate", "low", "high", "unit"]].round(3))
 
 # %% [markdown]
-# Every parameter has a verdict in words. Parameters that the method holds at zero have no interval. The others have a
+# Every parameter has a verdict in words. Parameters that the method keeps at zero have no interval. The others have a
 # 95 % interval. The gears rub more under load, which Eq. 1 does not model. The log shows it, so this friction is
 # subtracted and reported:
 

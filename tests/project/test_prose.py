@@ -241,6 +241,21 @@ PHRASES = [
             (ABOVE.xs(1, level="seed").drop(10) > 0).sum(),
         ],
     ),
+    (
+        WORTH,
+        "{} of {} single searches with 100,000 (`accepted`), with two other networks {} and {} of 23",
+        [(ABOVE > 0).sum(), len(ABOVE), by_network(2)[-1], by_network(3)[-1]],
+    ),
+    (
+        "docs/explanation/limitations.md",
+        "above least squares in {} and {} of 23 experiments",
+        [by_network(2)[-1], by_network(3)[-1]],
+    ),
+    (
+        COVERAGE,
+        "from other random guesses, it is above in {} of {} searches",
+        [(SINGLE.xs(10_000, level="guesses").sub(PLAIN_LEVEL, axis=0) > 0).to_numpy().sum(), len(ABOVE)],
+    ),
     (EXPERIMENT, "least squares are so by {:.1f} to {:.1f} points", [EXCESS.min(), EXCESS.max()]),
     (
         EXPERIMENT,
