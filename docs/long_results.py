@@ -112,12 +112,13 @@ LONG_RESULTS = {
     ),
     "accepted_networks": LongResult(
         "benchmarks/results/accepted_networks.csv",
-        "snakemake accepted --configfile OVERLAY (docs/explanation/experiment.md#other-networks)",
+        "python benchmarks/accepted_networks.py SEED=RUN ...",
         (
             "repro.experiments.accepted:simulate_accepted",
             "repro.experiments.guesses:search_accepted",
             "repro.experiments.training:train_network",
         ),
+        scripts=("benchmarks/accepted_networks.py",),
         sections=(*USED, *ARM[1:], "networks", "accepted"),
         inputs=(EXPERIMENTS,),
     ),
