@@ -61,12 +61,12 @@ class SmoothLog:
         """The regressor along the motion (2, N, 9)."""
         return regressor(*self.moved, self.settings.friction_steepness)
 
-    @property
+    @cached_property
     def coulomb(self) -> Array:
         """Direction of the Coulomb friction of each joint (2, N)."""
         return np.tanh(self.settings.friction_steepness * self.moved[1])
 
-    @property
+    @cached_property
     def gear_load(self) -> Array:
         """Recorded torque (2, N) behind the friction of each joint: a position error would falsify that of Eq. 1."""
         friction = FILTERS[self.settings.name].apply(self.y[..., 5:] @ self.beta[5:], self.h, self.settings.cutoff, 0)
@@ -123,11 +123,6 @@ def stribeck(log: SmoothLog, speed: float | None = None, power: int = 2) -> Arra
     return one_joint(log.coulomb * np.exp(-((np.abs(log.moved[1]) / speed) ** power)))
 
 
-def friction(log: SmoothLog, speed: float, power: int) -> Array:
-    """Compute friction in proportion to the load, and friction that is larger near rest, shape (2, N, 4)."""
-    return np.concatenate([load_friction(log), stribeck(log, speed, power)], axis=-1)
-
-
 def once_a_turn(log: SmoothLog) -> Array:
     """Compute torque of period one turn (eccentric gear), (2, N, 3), without sin q1 at joint 1: it is g1."""
     q = log.moved[0]
@@ -152,21 +147,21 @@ def backlash(log: SmoothLog, width: float) -> Array:
 
 ZEROS, OFFSETS, ROTOR_OF_2 = "zero positions", "torque offsets", "inertia of the rotor of joint 2"
 CONSTANTS = "torque constants that change with the current"
-_STRIBECK = tuple(product(STRIBECK_SPEEDS, (1, 2)))  # speeds (rad/s) and powers of the forms of Stribeck friction
-#: Effects beyond Eq. 1 by name. Of several forms, the one that explains the residual best counts. The teeth of a gear
-#: may change sides at several loads over the largest one.
-UNMODELLED_EFFECTS: dict[str, tuple[Columns, ...]] = {
-    ZEROS: (zero_position,),
-    OFFSETS: (offset,),
-    "load-dependent friction": (load_friction,),
-    "Stribeck friction": tuple(partial(stribeck, speed=speed, power=power) for speed, power in _STRIBECK),
-    "both kinds of friction": tuple(partial(friction, speed=speed, power=power) for speed, power in _STRIBECK),
-    "torque of period one turn": (once_a_turn,),
-    "torque of period half a turn": (twice_a_turn,),
-    ROTOR_OF_2: (rotor_inertia,),
-    CONSTANTS: (lambda log: one_joint(log.tau * np.abs(log.tau)),),
-    "elasticity": (elasticity,),
-    "backlash": tuple(partial(backlash, width=width) for width in (0.02, 0.05, 0.15)),
+_STRIBECK = tuple(partial(stribeck, speed=speed, power=power) for speed, power in product(STRIBECK_SPEEDS, (1, 2)))
+#: Effects beyond Eq. 1 by name. Of several forms, each the columns of some functions, the one that explains the
+#: residual best counts. The teeth of a gear may change sides at several loads over the largest one.
+UNMODELLED_EFFECTS: dict[str, tuple[tuple[Columns, ...], ...]] = {
+    ZEROS: ((zero_position,),),
+    OFFSETS: ((offset,),),
+    "load-dependent friction": ((load_friction,),),
+    "Stribeck friction": tuple((form,) for form in _STRIBECK),
+    "both kinds of friction": tuple((load_friction, form) for form in _STRIBECK),
+    "torque of period one turn": ((once_a_turn,),),
+    "torque of period half a turn": ((twice_a_turn,),),
+    ROTOR_OF_2: ((rotor_inertia,),),
+    CONSTANTS: ((lambda log: one_joint(log.tau * np.abs(log.tau)),),),
+    "elasticity": ((elasticity,),),
+    "backlash": tuple((partial(backlash, width=width),) for width in (0.02, 0.05, 0.15)),
 }
 EFFECTS_PER_LOG = (ZEROS, OFFSETS)  # effects that differ from log to log of one arm
 CERTAIN_EFFECTS = (ROTOR_OF_2,)  # effects that every gear has, of positive size

@@ -61,11 +61,13 @@ def dct_pair(x: Array, h: float, cutoff: float, order: int = 0) -> Array:
     n = x.shape[-1]
     omega = np.pi * np.arange(n) / (n * h)
     c_f = 0.5 * np.log(2.0) / (2.0 * np.pi * cutoff) ** 2  # s^2; the gain exp(-c_f omega^2) is 1/sqrt(2) at the cut-off
-    bands = dct(x, type=2, norm="ortho", axis=-1) * np.exp(-c_f * omega**2)
+    bands = np.asarray(dct(x, type=2, norm="ortho", axis=-1))
+    bands *= np.exp(-c_f * omega**2)  # in place, and below too: fresh memory costs as much time as the transform
     if order == 0:
-        return np.asarray(idct(bands, type=2, norm="ortho", axis=-1))
+        return np.asarray(idct(bands, type=2, norm="ortho", axis=-1, overwrite_x=True))
     if order == 2:
-        return np.asarray(idct(-(omega**2) * bands, type=2, norm="ortho", axis=-1))
+        bands *= -(omega**2)
+        return np.asarray(idct(bands, type=2, norm="ortho", axis=-1, overwrite_x=True))
     # The k-th sine of the orthonormal DST-II is band k + 1; the last, at half the sampling rate, has no partner.
     sines = np.concatenate([-(omega * bands)[..., 1:], np.zeros_like(bands[..., :1])], axis=-1)
     return np.asarray(idst(sines, type=2, norm="ortho", axis=-1))
@@ -190,8 +192,9 @@ def _piece(log: Log, settings: FilterSettings, even_odd: bool) -> Regression:
     """Prepare a log in one piece."""
     h = period(log)
     n, keep = retained_samples(log, settings)
-    moved, y = _filtered_motion(log, replace(settings, delay=0.0))
-    halves = _filtered_halves(log, replace(settings, delay=0.0)) if even_odd else None
+    of_motion = replace(settings, delay=0.0, stribeck_speed=0.0)  # neither changes what follows from the motion
+    moved, y = _filtered_motion(log, of_motion)
+    halves = _filtered_halves(log, of_motion) if even_odd else None
     tau = filtered_torque(log.tau[:, :n], h, settings)[:, keep]
     mask = np.ones(tau.shape, dtype=np.bool_)
     regression = Regression(log.t[:n][keep], y, tau, *moved, mask, (keep[1] - keep[0]) * h, halves)

@@ -187,11 +187,13 @@ def find_terms(logs: Sequence[tuple[Log, FilterSettings]], friction: bool) -> tu
     driven = np.any([log.tau.any(axis=1) for log, _ in logs], axis=0)
     possible = np.array([not name.startswith(LOAD) or driven[int(name[-1]) - 1] for name in TERM_NAMES])
     load = solve(unweighted.y, unweighted.tau)
+    columns = [term_columns(TERMS, log, settings, load) * possible for log, settings in logs]
+    of_load = [name.startswith(LOAD) for name in TERM_NAMES]
     for _ in range(LOAD_ITERATIONS):  # friction in proportion to the load biases the parameters that give the load
-        columns = [term_columns(TERMS, log, settings, load) * possible for log, settings in logs]
         more = np.concatenate(columns, axis=1) * unweighted.mask[..., np.newaxis]
         load = solve(np.concatenate([unweighted.y, more], axis=-1), unweighted.tau)[:N_NINE]
-    columns = [term_columns(TERMS, log, settings, load) * possible for log, settings in logs]
+        for (log, settings), of_log in zip(logs, columns, strict=True):
+            of_log[..., of_load] = filtered_columns([load_friction], log, settings, load)[0] * possible[of_load]
     weights = [_weight(r, c) for r, c in zip(regressions, columns, strict=True)] if len(logs) > 1 else [1.0]
     r = joined(regressions, weights)
 

@@ -19,6 +19,7 @@ of freedom. (The single factor of Welch and Satterthwaite can narrow an interval
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,15 +180,16 @@ def unmodelled_effects(
     """Add the columns of each of `UNMODELLED_EFFECTS` to logs, weighted against the regression of the estimate."""
     beta, always = solve(regression.y, regression.tau), columns_of_terms(logs)
     weight = weighted_fit(plain)[1] ** -2.0
-    all_forms = [form for forms in UNMODELLED_EFFECTS.values() for form in forms]
-    columns_of_logs = [
-        [log.weight * columns for columns in filtered_columns(all_forms, log.log, log.settings, beta)] for log in logs
+    makes = list(dict.fromkeys(make for forms in UNMODELLED_EFFECTS.values() for form in forms for make in form))
+    made = [
+        {make: log.weight * columns for make, columns in zip(makes, of_log, strict=True)}
+        for log in logs
+        for of_log in [filtered_columns(makes, log.log, log.settings, beta)]
     ]
-    columns_of_forms = zip(*columns_of_logs, strict=True)
     results = {}
     for name, forms in UNMODELLED_EFFECTS.items():
-        parts = [next(columns_of_forms) for _ in forms]
-        columns = [of_each_log(part) if name in EFFECTS_PER_LOG else np.concatenate(part, axis=1) for part in parts]
+        join = of_each_log if name in EFFECTS_PER_LOG else partial(np.concatenate, axis=1)
+        columns = [join([np.concatenate([of[make] for make in form], axis=-1) for of in made]) for form in forms]
         projected = [project_out(regression, np.concatenate([always, form], axis=-1)) for form in columns]
         tests = [f_statistic(plain, r, form.shape[-1], weight) for r, form in zip(projected, columns, strict=True)]
         weights = [max(0.0, 1.0 - critical / f) if f > 0.0 else 0.0 for f, critical in tests]
