@@ -19,20 +19,20 @@ from repro.identification.log import Log
 pytestmark = pytest.mark.slow
 
 
-def noisy_log(name, seed, noise=0.02, zero=(0.0, 0.0), pose=(0.0, 0.0), size=1.0, ripple=0.0, beta=BETA, delay=0.0):
-    """A stretch of the known motion, or of a small one near a pose; zeros may be off and torques have ripple."""
+def noisy_log(name, seed, noise=0.02, zero=(0.0, 0.0), pose=(0.0, 0.0), size=1.0, beta=BETA, delay=0.0):
+    """A stretch of the known motion, or of a small one near a pose; zeros may be off."""
 
     def moved(t):
         q, dq, ddq = motion(t + 3.0 * seed)
         return np.reshape(pose, (2, 1)) + size * q, size * dq, size * ddq
 
     log = log_from(moved, seconds=15.0 if size == 1.0 else 6.0, beta=beta, delay=delay)
-    tau = log.tau + ripple * np.sin(9.0 * log.q) + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
+    tau = log.tau + noise * np.random.default_rng(seed).normal(size=log.tau.shape)
     return loaded(Log(name=name, t=log.t, q=log.q + np.reshape(zero, (2, 1)), tau=tau))
 
 
-def near(pose, name, seed=1, size=0.1, noise=0.1, zero=0.0, ripple=0.0):
-    return noisy_log(name, seed, noise, (0.0, zero), pose, size, ripple)
+def near(pose, name, seed=1, size=0.1, noise=0.1, zero=0.0):
+    return noisy_log(name, seed, noise, (0.0, zero), pose, size)
 
 
 def scaled(log, *factors):
@@ -101,6 +101,14 @@ def test_a_log_that_does_not_show_its_fault_is_corrected_next_to_another():
     assert calibration_errors_of(wrong, noisy_log("a.csv", 0)) == [{"zero2": pytest.approx(-0.15, abs=0.01)}, {}]
 
 
+@pytest.mark.parametrize(("shows", "zero", "corrected"), [(True, 0.0, False), (True, 0.15, True), (False, 0.15, True)])
+def test_a_validation_log_is_corrected_as_the_fitted_one_unless_it_shows_that_it_is_right(shows, zero, corrected):
+    other = noisy_log("b.csv", 2, zero=(0.0, zero)) if shows else near((1.0, -0.6), "b.csv", noise=0.3, zero=zero)
+    ((predicted, _),) = problem_of_logs(noisy_log("a.csv", 1, zero=(0.0, 0.15)), validation=(other,)).validation
+    change = float(np.mean(predicted.log.q[1] - other.log.q[1]))
+    assert change == pytest.approx(-0.15 if corrected else 0.0, abs=0.01)
+
+
 def test_next_to_a_log_that_is_wrong_right_ones_are_not_blamed():
     """Each of the three would look wrong next to the other two: that which gains most is corrected first."""
     logs = near((1.0, -0.6), "a.csv", 5, 0.5), near((0.3, 0.9), "b.csv", 6, 0.4), near((1.0, 0.2), "c.csv", 7, zero=0.2)
@@ -108,9 +116,10 @@ def test_next_to_a_log_that_is_wrong_right_ones_are_not_blamed():
 
 
 def test_a_zero_that_the_other_logs_contradict_is_not_applied():
-    rippled = near((0.3, 0.9), "ripple.csv", 2, size=0.15, noise=0.02, ripple=0.15)
-    assert calibration_errors_of(rippled)[0].keys() == {"zero1"}
-    assert calibration_errors_of(rippled, noisy_log("a.csv", 3), noisy_log("b.csv", 1)) == [{}, {}, {}]
+    log = near((1.0, -0.6), "cable.csv", 2, size=0.15, noise=0.02).log
+    cable = loaded(replace(log, tau=log.tau + 0.15 * np.cos(2.0 * log.q.sum(axis=0))))  # turns with link 2
+    assert calibration_errors_of(cable)[0].keys() == {"zero2"}
+    assert calibration_errors_of(cable, noisy_log("a.csv", 3), noisy_log("b.csv", 1)) == [{}, {}, {}]
 
 
 def test_a_torque_constant_is_corrected_in_all_logs_or_none_and_a_poor_log_has_no_veto():

@@ -81,6 +81,16 @@ def test_a_log_without_a_fault_has_none():
     assert sum(bool(find_calibration_errors(noisy(seed), SETTINGS)) for seed in range(20)) <= 1
 
 
+@pytest.mark.parametrize(("periods", "size"), [((1, 2), 0.1), ((2, 1), 0.2), ((5, 1), 0.15)], ids=str)
+def test_a_torque_of_the_position_is_no_fault_and_does_not_hide_one(periods, size):
+    """A period of a turn, as of an eccentric gear, looks much like a wrong zero or an offset."""
+    log = noisy(5)
+    wave = size * np.cos(np.array(periods)[:, np.newaxis] * log.q + 0.4)
+    log = replace(log, tau=log.tau + wave)
+    assert find_calibration_errors(log, SETTINGS) == ()
+    assert "zero1" in [error.name for error in find_calibration_errors(spoilt(log, zero1=0.15), SETTINGS)]
+
+
 @pytest.mark.parametrize("name", CANDIDATES)
 def test_a_fault_is_found_from_the_size_that_is_said(name):
     """Half of it is not, half as much again is: both rules hold for a column added to the nine, but for curvature."""

@@ -13,7 +13,12 @@ from repro.fitting.prepare import LoadedLog, Options, PreparedLog, check_rate, m
 from repro.fitting.prior import with_plane
 from repro.identification import uncertainty
 from repro.identification.armfile import Arm
-from repro.identification.calibration import CALIBRATION, correct_calibration
+from repro.identification.calibration import (
+    CALIBRATION,
+    calibration_limits,
+    correct_calibration,
+    find_calibration_errors,
+)
 from repro.identification.excitation import Identifiability, excitation
 from repro.identification.extra_terms import subtract_terms, term_columns, values_of
 from repro.identification.filtering import prepare
@@ -125,9 +130,19 @@ def _join_logs(logs: Sequence[PreparedLog], prior: Prior | None) -> tuple[Regres
 
 
 def _correct_as(log: Log, logs: Sequence[PreparedLog]) -> Log:
-    """Correct a log by the errors that all logs have, with the values of the first, and subtract its terms."""
+    """Correct a log by the errors that all logs have, with the values of the first, and subtract its terms.
+
+    An error that this log would show by itself, and does not, is one of the other logs alone.
+    """
     first, values = logs[0], [values_of(log.calibration_errors) for log in logs]
     common = {name: value for name, value in values[0].items() if all(name in of_log for of_log in values)}
+    if common and log.tau.any():
+        found = values_of(find_calibration_errors(log, first.settings))
+        limits = calibration_limits(log, first.settings, ())
+        for name, value in [*common.items()]:
+            limit = limits.get(name)
+            if name not in found and limit is not None and limit < abs(value - CALIBRATION[name[:-1]].neutral):
+                del common[name]
     corrected = correct_calibration(log, common)
     return subtract_terms(corrected, first.settings, first.load, first.taken) if first.taken else corrected
 

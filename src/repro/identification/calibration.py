@@ -9,6 +9,7 @@ by 1 / (1 + c) where it brakes, and larger on average: a wrong torque constant m
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,14 @@ from repro.identification.extra_terms import (
     N_NINE,
     Term,
     TermKind,
+    filtered_columns,
     offset,
     one_joint,
     term_columns,
     term_names,
     torque_friction,
+    values_of,
+    waves,
     zero_position,
 )
 from repro.identification.filtering import MIN_ERROR_REDUCTION, FilterSettings, prepare
@@ -35,6 +39,8 @@ from repro.identification.term_selection import (
     fit_with_errors,
     nine_and,
     other_rows,
+    padded,
+    reduced_rows,
     weighted_rows,
 )
 from repro.model.parameters import Array
@@ -46,6 +52,8 @@ MAX_ZERO = 0.25
 MAX_CALIBRATED_ERROR = 0.5
 #: Factor beyond which the scale of a torque is no calibration error but a joint of which the log shows nothing.
 MAX_SCALE = 3.0
+#: Torques of the position that may be taken for a calibration error: of 1 to 8 periods a turn.
+WAVES = tuple(partial(waves, periods=n) for n in range(1, 9))
 #: What may be wrong with a log: zero of a joint, offset of its torque, and the recorded torque of a joint over the one
 #: that Eq. 1 shares with the other. A log cannot determine which of the two is wrong: joint 2, unless a prior decides.
 CALIBRATION: dict[str, TermKind] = {
@@ -115,15 +123,29 @@ class CalibrationProblem:
     settings: FilterSettings
     others: Array  # rows (m, 10) of the correct logs
 
-    def relative_error(self, values: Mapping[str, float]) -> float:
-        """Relative RMS error of least squares of the corrected log and others, mean of its joints that have torque."""
-        regression = drop_standstill(prepare(correct_calibration(self.log, values), self.settings, even_odd=False))
-        beta = solve(regression.y, regression.tau)
+    def relative_error(self, values: Mapping[str, float], with_waves: bool = False) -> float:
+        """Relative RMS error of least squares of the corrected log and others, mean of its joints that have torque.
+
+        With waves: next to a torque of the position of each joint, of the number of periods a turn that fits best.
+        """
+        log = correct_calibration(self.log, values)
+        r = drop_standstill(prepare(log, self.settings, even_odd=False))
+        columns: Array = np.empty((*r.tau.shape, 0))
+        if with_waves:
+            all_waves = filtered_columns(WAVES, log, self.settings, solve(r.y, r.tau))
+            for joint in (0, 1):  # every second column is of this joint
+                candidates = (np.concatenate([columns, wave[..., joint::2]], axis=-1) for wave in all_waves)
+                columns = min(candidates, key=lambda candidate: self._relative_error(r, candidate))
+        return self._relative_error(r, columns)
+
+    def _relative_error(self, r: Regression, columns: Array) -> float:
+        a = np.concatenate([r.y, columns * r.mask[..., np.newaxis]], axis=-1)
+        beta = solve(a, r.tau)
         if len(self.others):
-            rows = np.concatenate([other_rows([regression]), self.others])
+            own = reduced_rows(*weighted_rows(r, columns))
+            rows = np.concatenate([own, padded(self.others, columns.shape[-1])])
             beta = solve(rows[:, :-1], rows[:, -1])
-        error = np.linalg.norm(regression.tau - regression.y @ beta, axis=-1)
-        torque = np.linalg.norm(regression.tau, axis=-1)
+        error, torque = np.linalg.norm(r.tau - a @ beta, axis=-1), np.linalg.norm(r.tau, axis=-1)
         return float(np.mean((error / np.where(torque > 0.0, torque, 1.0))[torque > 0.0])) if torque.any() else 0.0
 
     def values(self, names: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -154,6 +176,14 @@ class CalibrationProblem:
             CalibrationError(name, *estimates[name], self.relative_error(rest), after)
             for name, rest in zip(of, remaining, strict=True)
         ]
+
+    def are_waves(self, doubted: Sequence[CalibrationError], errors: Sequence[CalibrationError]) -> bool:
+        """Whether torques of the position explain the log better than these of the errors, and also without them."""
+        rest = values_of([error for error in errors if error not in doubted])
+        least, instead = 1.0 - MIN_ERROR_REDUCTION, self.relative_error(rest, with_waves=True) ** 2
+        if instead >= least * errors[0].after ** 2:
+            return False
+        return self.relative_error(values_of(errors), with_waves=True) ** 2 >= least * instead
 
     def with_rivals(self, error: CalibrationError, names: Sequence[str]) -> CalibrationError:
         """Add the calibration errors that explain the log nearly as well in place of this one."""
@@ -190,6 +220,9 @@ def find_calibration_errors(
     while names:
         errors = problem.errors(names, names)
         rejected = [error for error in errors if not error.is_credible]
+        if not rejected and problem.are_waves(errors, errors):
+            return ()
+        rejected = rejected or [error for error in errors if problem.are_waves([error], errors)]
         if not rejected:
             return tuple(problem.with_rivals(error, names) for error in errors)
         # Gauss-Newton may end far away because of an error that is not there: without it the others converge.

@@ -129,9 +129,9 @@ def once_a_turn(log: SmoothLog) -> Array:
     return np.concatenate([one_joint(np.cos(q)), one_joint(np.sin(q))[..., 1:]], axis=-1)
 
 
-def twice_a_turn(log: SmoothLog) -> Array:
-    """Compute torque of period half a turn of a joint (cable, gear out of round), shape (2, N, 4)."""
-    return np.concatenate([one_joint(wave(2.0 * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
+def waves(log: SmoothLog, periods: int) -> Array:
+    """Compute torque of so many periods in a turn of its joint (2: cable, gear out of round), shape (2, N, 4)."""
+    return np.concatenate([one_joint(wave(periods * log.moved[0])) for wave in (np.cos, np.sin)], axis=-1)
 
 
 def elasticity(log: SmoothLog) -> Array:
@@ -157,7 +157,7 @@ UNMODELLED_EFFECTS: dict[str, tuple[tuple[Columns, ...], ...]] = {
     "Stribeck friction": tuple((form,) for form in _STRIBECK),
     "both kinds of friction": tuple((load_friction, form) for form in _STRIBECK),
     "torque of period one turn": ((once_a_turn,),),
-    "torque of period half a turn": ((twice_a_turn,),),
+    "torque of period half a turn": ((partial(waves, periods=2),),),
     ROTOR_OF_2: ((rotor_inertia,),),
     CONSTANTS: ((lambda log: one_joint(log.tau * np.abs(log.tau)),),),
     "elasticity": ((elasticity,),),

@@ -66,7 +66,7 @@ def other_rows(regressions: Sequence[Regression]) -> Array:
     return np.concatenate([NO_ROWS, *rows])
 
 
-def _padded(others: Array, k: int) -> Array:
+def padded(others: Array, k: int) -> Array:
     """Insert k columns of zeros behind the nine of other logs."""
     nine, rest = np.split(others, [N_NINE], axis=1)
     return np.concatenate([nine, np.zeros((len(others), k)), rest], axis=1)
@@ -92,7 +92,7 @@ def _blocks(a: Array, b: Array) -> list[Array]:
 def _leave_one_out(blocks: Sequence[Array], columns: Sequence[int], others: Array) -> list[Array]:
     """Solutions from all blocks but one, and from the other logs."""
     flat = [block.reshape(-1, block.shape[-1]) for block in blocks]
-    always = _padded(others, flat[0].shape[1] - others.shape[1])
+    always = padded(others, flat[0].shape[1] - others.shape[1])
     rest = [np.concatenate([*flat[:k], *flat[k + 1 :], always]) for k in range(len(blocks))]
     return [_fit(r[:, columns], r[:, -1]) for r in rest]
 
@@ -112,7 +112,7 @@ def fit_with_errors(a: Array, b: Array, h: float, others: Array = NO_ROWS) -> tu
     """Fit rows `h` apart; the standard errors are the larger of those by independent samples and by the blocks."""
     blocks = _blocks(a, b)
     flat = [block.reshape(-1, block.shape[-1]) for block in blocks]
-    rows = np.concatenate([*flat, _padded(others, a.shape[-1] + 1 - others.shape[1])])
+    rows = np.concatenate([*flat, padded(others, a.shape[-1] + 1 - others.shape[1])])
     x = _fit(rows[:, :-1], rows[:, -1])
     residual = b - a @ x
     n_independent = max(residual.size * h / correlation_time(residual, h), 1.0)
@@ -152,7 +152,7 @@ def detection_limits(
         columns = a[..., nine_and([*chosen, k])]
         _, standard_error = fit_with_errors(columns, b, h, others)
         flat = columns.reshape(-1, columns.shape[-1])
-        rows = np.concatenate([flat, _padded(others[:, :-1], flat.shape[-1] - N_NINE)])
+        rows = np.concatenate([flat, padded(others[:, :-1], flat.shape[-1] - N_NINE)])
         alone = flat[:, -1] - flat[:, :-1] @ _fit(rows[:, :-1], rows[:, -1])
         smallest = np.sqrt(ratio * error / max(float(alone @ alone), np.finfo(float).tiny))
         limits.append(max(MIN_Z_SCORE * float(standard_error[-1]), float(smallest)))
