@@ -11,8 +11,10 @@ import pytest
 from experiment_example import ROOT
 
 REFERENCE = ROOT / "docs/reference"
-EXPERIMENT, STUDY, COVERAGE = (f"docs/explanation/{name}.md" for name in ("experiment", "study", "least-squares"))
-WORTH, INTERVALS, CAUSES = (f"docs/explanation/{name}.md" for name in ("worth", "methods-and-intervals", "causes"))
+EXPERIMENT, STUDY, LEAST_SQUARES = (f"docs/explanation/{name}.md" for name in ("experiment", "study", "least-squares"))
+WORTH, INTERVALS, CAUSES, NETWORK = (
+    f"docs/explanation/{name}.md" for name in ("worth", "methods-and-intervals", "causes", "network")
+)
 #: Coverage of intervals by generator and kind; kinds without a calibration error but for torque that looks like one.
 MEASURED = pd.read_csv(ROOT / "benchmarks/results/interval_coverage.csv")
 UNCALIBRATED = MEASURED.query("kind not in ('offset', 'scale1', 'position')")
@@ -160,25 +162,25 @@ PHRASES = [
     ),
     (EXPERIMENT, "experiments in which it is better is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
     (
-        COVERAGE,
+        LEAST_SQUARES,
         "is {:.1f} points of similarity below plain least squares on T1 to T4 (95 % interval {:.1f} to {:.1f}",
         pair("algorithm1", "least-squares"),
     ),
-    (COVERAGE, "least squares (matched to the printed 89.17) | {:.1f} |", [MEDIAN["least-squares"]]),
+    (LEAST_SQUARES, "least squares (matched to the printed 89.17) | {:.1f} |", [MEDIAN["least-squares"]]),
     (
-        COVERAGE,
+        LEAST_SQUARES,
         "below zero | {:.1f} | | least squares, physically consistent | {:.1f} | | true parameters | {:.1f} |",
         [MEDIAN[name] for name in ("bounded", "consistent", "true")],
     ),
     (
-        COVERAGE,
+        LEAST_SQUARES,
         "Nonnegative least squares beats plain least squares in {} of these {} experiments",
         [(OVER["bounded"] > OVER["least-squares"]).sum(), len(OVER)],
     ),
-    (COVERAGE, "central 50 % range covers {:.0f} to {:.0f} % of the arms", shares("unmodelled", 0.5, "raw")),
+    (NETWORK, "central 50 % range covers {:.0f} to {:.0f} % of the arms", shares("unmodelled", 0.5, "raw")),
     *(
         (
-            COVERAGE,
+            NETWORK,
             f"| {words} | {{:.0f}} to {{:.0f}} % | {{:.0f}} % | {{:.0f}} to {{:.0f}} % | {{:.0f}} % |",
             [*shares(kind, 0.95), *shares(kind, 0.9)],
         )
@@ -189,7 +191,7 @@ PHRASES = [
         )
     ),
     (
-        COVERAGE,
+        NETWORK,
         "At 95 % half widths are {:.2f} to {:.2f} of the largest torque. Intervals remove {:.0f} to {:.0f} % of "
         "the variance of g1, g2, b1 and k2 over the arms. They remove {:.0f} % for b2, {:.0f} % for k1",
         [
@@ -243,7 +245,7 @@ PHRASES = [
         [by_network(2)[-1], by_network(3)[-1]],
     ),
     (
-        COVERAGE,
+        LEAST_SQUARES,
         "from other random guesses, it is above in {} of {} searches",
         [(SINGLE.xs(10_000, level="guesses").sub(PLAIN_LEVEL, axis=0) > 0).to_numpy().sum(), len(ABOVE)],
     ),
@@ -281,7 +283,7 @@ PHRASES = [
     ),
     (CAUSES, "No combination reaches plain least squares on T1 to T4 (mean {:.1f} %)", cells(reader="ordinary")),
     *(
-        ("docs/explanation/network.md", f"| {words} | {{:.2f}} | {{:.1f}} | {{:.1f}} |", recipe(method))
+        (NETWORK, f"| {words} | {{:.2f}} | {{:.1f}} | {{:.1f}} |", recipe(method))
         for words, method in (
             ("ours", "algorithm1"),
             ("schedule as printed, our ranges", "algorithm1+paper-recipe"),
