@@ -156,8 +156,8 @@ PHRASES = [
     ),
     (
         "README.md",
-        "rises from {:.0f} % with 100,000 guesses to {:.0f} % with a million. The network is not needed: a direct search "
-        "on the similarity has {:.0f} %",
+        "rises from {:.0f} % with 100,000 guesses to {:.0f} % with a million. The network is not needed: a direct "
+        "search on the similarity has {:.0f} %",
         [SIX[100_000], SIX[MILLION], SEARCH.median()],
     ),
     (EXPERIMENT, "experiments in which it is better is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
@@ -222,7 +222,8 @@ PHRASES = [
     ("docs/explanation/limitations.md", "differ by {:.0f} to {:.0f} points", [SCATTER.min(), SCATTER.max()]),
     (
         "README.md",
-        "above least squares in none of the {:.0f} (median of five runs), and in {} of {} single runs, by at most {:.1f}",
+        "above least squares in none of the {:.0f} (median of five runs), and in {} of {} single runs, by at most "
+        "{:.1f} points",
         [accepted("algorithm1", 100_000, "experiments")[0] / 100, (ABOVE > 0).sum(), len(ABOVE), ABOVE.max()],
     ),
     *((EXPERIMENT, f"| {seed} | {{:.1f}} | {{:.1f}} | {{:.1f}} | {{}} of 23 |", by_network(seed)) for seed in (2, 3)),
