@@ -15,9 +15,9 @@ EXPERIMENT, STUDY, LEAST_SQUARES = (f"docs/explanation/{name}.md" for name in ("
 WORTH, INTERVALS, CAUSES, NETWORK = (
     f"docs/explanation/{name}.md" for name in ("worth", "methods-and-intervals", "causes", "network")
 )
-#: Coverage of intervals by generator and kind; kinds without a calibration error but for torque that looks like one.
+#: Coverage of intervals by generator and kind; kinds without a calibration error.
 MEASURED = pd.read_csv(ROOT / "benchmarks/results/interval_coverage.csv")
-UNCALIBRATED = MEASURED.query("kind not in ('offset', 'scale1', 'position')")
+UNCALIBRATED = MEASURED.query("kind not in ('offset', 'scale1')")
 
 
 def table(name):
@@ -370,11 +370,6 @@ PHRASES = [
         INTERVALS,
         "does not have was corrected in {} of {} logs",
         [UNCALIBRATED["corrected"].sum(), UNCALIBRATED["arms"].sum()],
-    ),
-    (
-        INTERVALS,
-        "which was corrected in {} of {}",
-        [MEASURED.query("kind == 'position'")[name].sum() for name in ("corrected", "arms")],
     ),
     (
         STUDY,
