@@ -6,6 +6,7 @@ from itertools import islice
 from typing import Any, Final
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -52,7 +53,7 @@ def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
     titles = ordered_titles(result)
     most, best = (dict(islice(titles.items(), count)) for count in (MAX_DRAWN_METHODS, 1))
-    with style.house_style():
+    with style.house_style(), rc_context({"axes.titley": 1.0}):  # nothing is above the panels that a title could meet
         figures = {"parameters": _png(draw_parameters(result))}
         if curves.cutoff is not None:
             figures["cutoff"] = _png(draw_cutoff(curves.cutoff, result.simulated))
@@ -69,7 +70,7 @@ def _png(figure: Figure) -> bytes:
     # Once, where saving would draw once more for the layout.
     canvas.draw()  # type: ignore[no-untyped-call]
     image = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")  # type: ignore[no-untyped-call]
-    image.quantize(_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(small, "PNG")
+    image.quantize(_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(small, "PNG", compress_level=4)
     return small.getvalue()
 
 
