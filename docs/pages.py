@@ -304,8 +304,8 @@ def interval_coverage() -> str:
     measured = pd.read_csv(ROOT / "benchmarks/results/interval_coverage.csv").set_index(["kind", "generator"])
     effects = runpy.run_path(str(ROOT / "benchmarks/planar_arms.py"))["KINDS"]
     heads = ["unmodelled effect"]
-    for what in ("coverage, %", "half width, %", "plain bootstrap, coverage, %"):
-        heads += [f"{what}: {GENERATORS[0]}", GENERATORS[1]]
+    for what in ("coverage", "half width", "plain bootstrap's coverage"):
+        heads += [f"{what}, {generator}, %" for generator in GENERATORS]
     rows = []
     for kind in COVERED:
         of_kind = measured.loc[kind].reindex(GENERATORS)
@@ -335,9 +335,7 @@ COMPUTED = (
     *(interval_coverage, accepted, arm_file, commands, api),
 )
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
-TABLES |= {
-    name: partial(laid_out, name) for name in ("factorial", "hypotheses", "board_size", "study_claims")
-}
+TABLES |= {name: partial(laid_out, name) for name in ("factorial", "hypotheses", "board_size", "study_claims")}
 #: Title of a section of numpydoc, and the line below it.
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
 #: A public name as a docstring refers to it.

@@ -59,7 +59,7 @@ slow = repro.identify("ID.bin", validate="T2.bin", method="ordinary")
 show(slow)
 
 # %% [markdown]
-# Eq. 10 is a slow motion of 10 s. It excites gravity and friction, and hardly inertia: the interval of I2 contains
+# Eq. 10 is slow and lasts 10.8 s here. It excites gravity and friction, and hardly inertia: the interval of I2 contains
 # zero. The arm has Stribeck friction, which Eq. 1 does not model. The tool finds that of joint 1 and subtracts it. All
 # intervals but that of k2 contain the true value. The friction of joint 2 grows with the torque of its drive. The
 # intervals allow only for friction that grows with the load behind the gear.

@@ -8,7 +8,9 @@ TUTORIAL_CODE = [
 ]
 # What scripts read. The logs of the real arm are the reader's own copies, which the page says how to download.
 TUTORIAL_FILES = {
-    "one-guess": [HERE.parent / f"data/{file}" for file in ("captures/ID.bin", "networks/cnn.safetensors")],
+    "one-guess": [
+        HERE.parent / file for file in ("data/captures/ID.bin", "data/networks/cnn.safetensors", "config/config.yaml")
+    ],
 }
 
 

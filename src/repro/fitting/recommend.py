@@ -74,7 +74,7 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
     on = "the validation logs" if best.validation else rest
     if judged is errors:
         return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
-    what = "smallest product of mean torque error and mean position error after 0.5 s"
+    what = "smallest product of mean torque error and mean position error over 0.5 s"
     return best.method, f"{what} on {on} among the physically consistent methods{_disagreement(able, best)}"
 
 
