@@ -6,12 +6,12 @@ MEAN_TORQUE = f"{R}/data/mean_torque.csv"
 TRACKED_MOTIONS = f"{R}/data/tracked.safetensors"
 TABLE_FILES = expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"])
 LEDGER = [f"{R}/claims.csv", f"{R}/claims.md", f"{R}/claims.sha256"]
-# What others wait for, the networks, which take most of a run, then what takes long, so that no core is idle at the end.
+# Priorities: first what others wait for, then training, then other long jobs. So no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
 
 
 def own_folder(name):
-    """A folder of the checkout, by its path from the working folder if it is in it: then a copied run is one, too."""
+    """A folder of the checkout, from the working folder where possible, so that a copied run has nothing to do."""
     folder = HERE.parent / name
     return folder.relative_to(Path.cwd()) if folder.is_relative_to(Path.cwd()) else folder
 
@@ -31,8 +31,8 @@ def training_code(trainer):
     return CODE.of(trainer, *SAMPLED) if workflow.is_main_process else []
 
 
-# Keys that only the jobs naming them depend on: one more seed changes nothing for a job that works on one motion or one
-# arm, and a network does not depend on what is logged on the way to it.
+# Keys left out of a section. A job that needs one gets it by name. So one more seed reruns no job of another seed, and a
+# network does not depend on what is logged on the way to it.
 IDLE = {
     "numeric": ["seeds"],
     "experiment": ["search_seeds", *([] if SETTINGS.experiment.source == "serial" else ["port", "baud"])],
@@ -90,7 +90,8 @@ def factorial_training_sections(wildcards):
     return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": own}}
 
 
-# What a job of the study depends on: job sizes and levels, but the extremes of friction, change no arm and no network.
+# What a job of the study depends on. Of levels, only the lowest and the highest friction change arms. Job sizes change
+# nothing.
 STUDY_JOBS, STUDY = jobs(SETTINGS), stated(SETTINGS, "study")["study"]
 STUDY_ARMS = {key: STUDY[key] for key in ("seed", "arms", "excitations", "priors", "training_arms", "unmodelled")}
 STUDY_ARMS["frictions"] = [min(STUDY["frictions"]), max(STUDY["frictions"])]

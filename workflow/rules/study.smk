@@ -1,5 +1,5 @@
-# Inputs are files, not outputs of rules: on a cluster a job checks a rule whose output it names, and runs it again,
-# because the digests of code are known to the main process alone.
+# Inputs are files, not outputs of rules: otherwise a job on a cluster checks that rule, lacks its digests of code, and
+# runs it again.
 
 
 # One rule, because the start of a job takes half as long as one of these simulations.
