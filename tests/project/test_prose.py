@@ -140,7 +140,7 @@ PLAIN = {
 ESTIMATES = {
     kind: (float(error), int(possible))
     for kind, error, possible in re.findall(
-        r"^(\w+) +error of guess [\d.]+, of estimate ([\d.]+); possible: (\d+) %$",
+        r"^([\w., ]+?) +error of guess [\d.]+, of estimate ([\d.]+); possible: (\d+) %$",
         (REFERENCE / "tutorials/one-guess.md").read_text(encoding="utf-8"),
         re.MULTILINE,
     )
