@@ -68,7 +68,7 @@ show(slow)
 #
 # | parameters | motion |
 # |---|---|
-# | gravity (g1, g2) | a large range, best beyond 90 degrees on both sides |
+# | gravity (g1, g2) | a large range, best beyond 90 degrees on both sides (here the limit is 86) |
 # | friction (b, k) | slow *and* fast motion in the same log, each in both directions |
 # | inertia (I1, I3) | acceleration up to what the drives can do, also of each joint while the other is slow |
 # | coupling (I2) | both joints fast at once, q2 well beyond 90 degrees, where the coupling changes sign |
@@ -87,9 +87,9 @@ show(fast)
 
 # %% [markdown]
 # I1, I3, g1 and g2 are within 12 % of the true values now, and all intervals but that of k1 contain them. k1 contains
-# Stribeck friction, and its verdict says so. The friction of joint 2 grows with the torque of its drive. The tool
-# finds this friction, but subtracts it in proportion to the load behind the gear. A rotor that the arm does not have
-# explains part of the difference. The residual shows the ripple:
+# Stribeck friction, and its verdict says so. Friction at joint 2 grows with the torque of its drive. The tool models it
+# with the load behind the gear instead. To fit the rest, it reports a rotor that this arm lacks. The residual shows the
+# ripple:
 
 # %%
 fast.plot(log=0)
@@ -106,4 +106,4 @@ for name, result in {"ID": slow, "excited": fast}.items():
     print(f"{name}: {(100 * errors['relative_rms']).round(1).tolist()} % of joints 1 and 2")
 
 # %% [markdown]
-# For the arm's parameters, excite all nine.
+# To learn parameters, excite all nine. To predict like motions, the slow log is nearly as good.
