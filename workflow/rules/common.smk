@@ -1,6 +1,6 @@
 CODE = CodeDigests()
 
-CALL = "../scripts/call.py"
+CALL = "../scripts/call.py"  # calls the first parameter with the inputs, outputs, parameters and wildcards that it names
 # Files that several rules name.
 MEAN_TORQUE = f"{R}/data/mean_torque.csv"
 TRACKED_MOTIONS = f"{R}/data/tracked.safetensors"
@@ -48,11 +48,11 @@ def sections(*names, of=SETTINGS):
     return parts
 
 
-# What jobs depend on that have to do with the arm, that train a network, and that use one.
-ARM = ("signals", "arm", "board", "experiment")
-TRAINED = ("signals", "network", "data", "image", "training")
-USED = (*TRAINED, "metric", "algorithm1", "refinement")
-READ = ("signals", "network", "image", "metric", "algorithm1", "refinement")
+# Sections that jobs depend on:
+ARM = ("signals", "arm", "board", "experiment")  # that simulate or read the arm
+TRAINED = ("signals", "network", "data", "image", "training")  # that train a network
+USED = (*TRAINED, "metric", "algorithm1", "refinement")  # that also search with it
+READ = ("signals", "network", "image", "metric", "algorithm1", "refinement")  # that search with a finished network
 
 
 def network_sections(*names):
