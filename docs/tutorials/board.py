@@ -88,8 +88,7 @@ show(fast)
 # %% [markdown]
 # I1, I3, g1 and g2 are within 12 % of the true values now, and all intervals but that of k1 contain them. k1 contains
 # Stribeck friction, and its verdict says so. Friction at joint 2 grows with the torque of its drive. The tool models it
-# with the load behind the gear instead. To fit the rest, it reports a rotor that this arm lacks. The residual shows the
-# ripple:
+# with the load behind the gear instead. The residual shows the ripple:
 
 # %%
 fast.plot(log=0)

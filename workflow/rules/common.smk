@@ -1,6 +1,7 @@
 CODE = CodeDigests()
 
-CALL = "../scripts/call.py"  # calls the first parameter with the inputs, outputs, parameters and wildcards that it names
+# Calls the first parameter of a job with the inputs, outputs, parameters and wildcards that it names.
+CALL = "../scripts/call.py"
 # Files that several rules name.
 MEAN_TORQUE = f"{R}/data/mean_torque.csv"
 TRACKED_MOTIONS = f"{R}/data/tracked.safetensors"
