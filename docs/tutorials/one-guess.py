@@ -99,7 +99,7 @@ figure  # noqa: B018
 # %%
 beta = np.array(yaml.safe_load((DATA.parent / "config/config.yaml").read_text())["arm"]["parameters"])
 exact = repro.inverse_dynamics(q, dq, ddq, beta)
-random = np.random.default_rng(1).uniform(0.001, 3.0, (1000, 9))
+random = np.random.default_rng(4).uniform(0.001, 3.0, (1000, 9))
 for name, torque, given in (("random", tau, random), ("true", tau, None), ("true, Eq. 1", exact, None)):
     true = beta / abs(torque).max()
     guesses = true[np.newaxis] if given is None else given
