@@ -198,6 +198,22 @@ def verdict() -> str:
     return markdown(["", "against", "difference"], rows)
 
 
+def causes() -> str:
+    """Similarity on T1 to T4 and error of single estimates, by training motion and by what estimates."""
+    frame = pd.read_csv(REFERENCE / "tables/factorial_cells.csv").query("metric == 'mean-square'")
+    frame["by"] = frame["reader"].str.cat(frame["image_motion"], sep=" ", na_rep="").str.strip()
+    frame["cell"] = [f"{100 * a:.1f} ({b:.2f})" for a, b in frame[["validation", "error"]].to_numpy()]
+    of = frame.pivot(index="training", columns="by", values="cell")
+    columns = {
+        "Algorithm 1, f on the measured motion": "cnn measured",
+        "Algorithm 1, f on the desired motion": "cnn desired",
+        "plain network": "plain",
+    }
+    labels = {"ideal": "Eq. 10 (as the paper)", "tracked": "closed-loop motions"}
+    rows = [[label, *of.loc[training, list(columns.values())]] for training, label in labels.items()]
+    return markdown(["network trained on", *columns], rows)
+
+
 def laid_out(name: str) -> str:
     """A table as the reference has it, without its caption."""
     return (REFERENCE / f"tables/{name}.md").read_text(encoding="utf-8").partition("\n\n")[2].strip()
@@ -331,11 +347,11 @@ def settings_fields(what: object) -> list[str]:
 
 
 COMPUTED = (
-    *(headline, verdicts, table06, table07, table10, methods, costs, verdict),
+    *(headline, verdicts, table06, table07, table10, methods, costs, verdict, causes),
     *(interval_coverage, accepted, arm_file, commands, api),
 )
 TABLES: dict[str, Callable[[], str]] = {table.__name__: table for table in COMPUTED}
-TABLES |= {name: partial(laid_out, name) for name in ("factorial", "hypotheses", "board_size", "study_claims")}
+TABLES |= {name: partial(laid_out, name) for name in ("hypotheses", "board_size", "study_claims")}
 #: Title of a section of numpydoc, and the line below it.
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
 #: A public name as a docstring refers to it.
