@@ -118,7 +118,7 @@ ELEMENTS = table("board_size").query("quantity == 'elements'").set_index("block"
 PUBLISHED_ELEMENTS = ELEMENTS.loc["published", "most"]
 MILLION, DETAILED = 1_000_000, ("algorithm1", "algorithm1+desired", "algorithm1+tracked-measured")
 #: Mean total over T1 to T4 and error of single estimates in the factorial, by training, reader and motion of f.
-FACTORIAL = table("factorial_cells").query("metric == 'mean-square'").fillna("")
+FACTORIAL = table("factorial_cells").query("metric == 'mean-square'").fillna({"training": "", "image_motion": ""})
 FACTORIAL = FACTORIAL.set_index(["training", "reader", "image_motion"])
 CELLS, ERROR = 100 * FACTORIAL["validation"], FACTORIAL["error"]
 
@@ -275,7 +275,7 @@ PHRASES = [
     ),
     (
         CAUSES,
-        "Training on them raises the similarity from {:.1f} to {:.1f} %, or from {:.1f} to {:.1f} % with the desired motion",
+        "raises the similarity from {:.1f} to {:.1f} %, or from {:.1f} to {:.1f} % with the desired motion",
         [CELLS[training, "cnn", motion] for motion in ("measured", "desired") for training in ("ideal", "tracked")],
     ),
     (CAUSES, "It raises {:.1f} to {:.1f} %", [CELLS["ideal", "cnn", motion] for motion in ("measured", "desired")]),
