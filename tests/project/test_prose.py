@@ -365,12 +365,12 @@ PHRASES = [
     ),
     (
         INTERVALS,
-        "On simulated arms {:.0f} to {:.0f} % of the intervals",
+        "In simulations {:.0f} to {:.0f} % of the intervals",
         [MEASURED["coverage"].min(), MEASURED["coverage"].max()],
     ),
     (
         INTERVALS,
-        'Of all {:,} claims "known to x %", {} ({:.1f} %) are off by more',
+        'Of all {:,} verdicts *known to x %*, {} ({:.1f} %) are off by more',
         [
             MEASURED["claims"].sum(),
             MEASURED["wrong claims"].sum(),
@@ -389,7 +389,7 @@ PHRASES = [
     ),
     (
         STUDY,
-        "It is better in {} of {} conditions",
+        "physically consistent least squares in {} of {} conditions",
         [row("study_claims", claim="constrained")[name] for name in ("better", "conditions")],
     ),
 ]
