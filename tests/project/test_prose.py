@@ -162,7 +162,7 @@ PHRASES = [
         "parameters it is off by {:.2f}",
         [ESTIMATES["random"][0], 100 - ESTIMATES["random"][1], ESTIMATES["true"][0]],
     ),
-    (EXPERIMENT, "experiments in which it is better is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
+    (EXPERIMENT, "the true share is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
     (
         LEAST_SQUARES,
         "is {:.1f} points of similarity below plain least squares on T1 to T4 (95 % interval {:.1f} to {:.1f}",
@@ -213,12 +213,12 @@ PHRASES = [
     (EXPERIMENT, "with 100,000 guesses Algorithm 1 has a median of {:.1f} %", accepted("algorithm1", 100_000)),
     (
         EXPERIMENT,
-        "differ by {:.0f} to {:.0f} points on T1 to T4 of an experiment. All experiments share the seeds, so the "
-        "medians over the experiments scatter, too: from {:.1f} to {:.1f} %. Of the {} searches {} are above plain "
-        "least squares, by at most {:.1f} points",
+        "differ by {:.0f} to {:.0f} points on T1 to T4 of an experiment. Of the {} searches {} are above plain least "
+        "squares, by at most {:.1f} points. The seeds are the same in all experiments, so medians over the experiments "
+        "scatter, too: from {:.1f} to {:.1f} %",
         [
-            *(SCATTER.min(), SCATTER.max(), LONGEST.median().min(), LONGEST.median().max()),
-            *(len(ABOVE), (ABOVE > 0).sum(), ABOVE.max()),
+            *(SCATTER.min(), SCATTER.max(), len(ABOVE), (ABOVE > 0).sum(), ABOVE.max()),
+            *(LONGEST.median().min(), LONGEST.median().max()),
         ],
     ),
     ("docs/explanation/limitations.md", "differ by {:.0f} to {:.0f} points", [SCATTER.min(), SCATTER.max()]),
@@ -370,7 +370,7 @@ PHRASES = [
     ),
     (
         INTERVALS,
-        'Of all {:,} verdicts *known to x %*, {} ({:.1f} %) are off by more',
+        "Of all {:,} verdicts *known to x %*, {} ({:.1f} %) are off by more",
         [
             MEASURED["claims"].sum(),
             MEASURED["wrong claims"].sum(),
