@@ -12,7 +12,7 @@ from repro.files import write_text
 ROOT = Path(__file__).resolve().parent.parent
 README, SCHEMA = ROOT / "config/README.md", ROOT / "workflow/schemas/config.schema.yaml"
 #: Longest default that a table shows.
-SHORT = 24
+SHORT = 60
 #: Upper limits that only catch a misplaced digit.
 FAR = (10_000_000, 1_000_000_000)
 
@@ -65,7 +65,7 @@ def _default(node: yaml.Node | None, key: dict[str, Any]) -> str:
     if isinstance(node, yaml.ScalarNode):
         return f"`{node.value}`"
     shown = f"[{', '.join(item.value for item in node.value)}]" if isinstance(node, yaml.SequenceNode) else ""
-    return f"`{shown}`" if 0 < len(shown) <= SHORT else "see file"
+    return f"`{shown}`" if 0 < len(shown) <= SHORT else "[in the file](config.yaml)"
 
 
 def _allowed(key: dict[str, Any]) -> str:

@@ -67,7 +67,9 @@ class PaperSchedule:
 
     __pydantic_config__ = SECTION
 
-    images: Annotated[Integer, Ge(10), Le(1_000_000), Key("fixed set", "images", "published: Section IV-B")] = 10_000
+    images: Annotated[
+        Integer, Ge(10), Le(1_000_000), Key("size of the fixed set", "images", "published: Section IV-B")
+    ] = 10_000
     train_share: Annotated[
         Real,
         Gt(0),
@@ -96,7 +98,9 @@ class TrainingSettings:
     learning_rate: Annotated[Positive, Key("rate that a line brings down to zero", source="ours")] = 5e-3
     warmup: Annotated[Whole, Key("steps over which the rate rises, at most a quarter of all", "steps", "ours")] = 400
     seed: Annotated[Seed, Key("seed of weights and samples of every network, and of the examples of Fig. 8 and 9")] = 1
-    test_samples: Annotated[Integer, Ge(1), Le(65536), Key("size of the held-out set", "images", "ours")] = 1024
+    test_samples: Annotated[
+        Integer, Ge(1), Le(65536), Key("size of the set that is held out of the training", "images", "ours")
+    ] = 1024
     log_every: Annotated[Count, Key("steps between rows of `training.csv`", "steps")] = 500
     checkpoint_every: Annotated[Count, Key("steps between checkpoints", "steps")] = 500
     #: Of layers 1 to 4 and of Muon's wide products.

@@ -35,7 +35,7 @@ class ImageSettings:
     scale: Annotated[
         Scale, Key("divisor of Z1: its maximum over both channels, over each, or a constant", source="Eq. 9")
     ] = "shared-max"
-    constant: Annotated[Positive, Key("the divisor, if `scale` is `constant`", source="ours")] = 4.0
+    constant: Annotated[Positive, Key("divisor of Z1 if `scale` is `constant`", source="ours")] = 4.0
 
 
 PUBLISHED_IMAGE = ImageSettings()

@@ -90,17 +90,19 @@ class GuessSettings:
         1e-3
     )
     guess_high: Annotated[
-        Positive, Key("their upper end", "largest torque", "published: Section IV-A", "above `guess_low`")
+        Positive, Key("upper end of uniform guesses", "largest torque", "published: Section IV-A", "above `guess_low`")
     ] = 3.0
     exact_share: Annotated[Share, Key("share of M_p images, whose guess is right", source="Section IV-A")] = 0.1
     #: As refinement meets them.
     near_share: Annotated[
         Share, Key("share of guesses with a small error", "", "ours", "with `exact_share` 1 at most")
     ] = 0.2
-    near_low: Annotated[Positive, Key("lower end of that error's log-uniform deviation", "largest torque", "ours")] = (
-        3e-3
-    )
-    near_high: Annotated[Positive, Key("its upper end", "largest torque", "ours", "above `near_low`")] = 0.5
+    near_low: Annotated[
+        Positive, Key("lower end of the log-uniform deviation of near guesses", "largest torque", "ours")
+    ] = 3e-3
+    near_high: Annotated[
+        Positive, Key("upper end of the deviation of near guesses", "largest torque", "ours", "above `near_low`")
+    ] = 0.5
 
 
 def training_guess(rng: np.random.Generator, beta_bar: Array, settings: GuessSettings) -> Array:

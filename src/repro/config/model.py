@@ -83,14 +83,14 @@ class Tracked:
     __pydantic_config__ = SECTION
 
     arms: Annotated[Arms, Key("number of arms", "arms")] = 320
-    seed: Annotated[Seed, Key("their seed")] = 1
+    seed: Annotated[Seed, Key("seed of these arms")] = 1
     load_share: Annotated[Share, Key("largest gravity and Coulomb friction over the motors' full torque")] = 0.8
     least_inertia_kg_m2: Annotated[
         Joints, Key("least I1 and I3 for which the sampled loop of Table 8 is stable", "kg m^2")
     ] = (0.01, 0.004)
     largest_error_rad: Annotated[Positive, Key("arms that track worse at any instant are left out", "rad")] = 0.2
-    stribeck: Annotated[Level, Key("upper end of the arms' Stribeck level, drawn uniformly from zero")] = 1.2
-    ripple_nm: Annotated[Level, Key("upper end of the amplitude of their ripple", "N m")] = 0.2
+    stribeck: Annotated[Level, Key("largest Stribeck share of these arms, drawn uniformly from zero")] = 1.2
+    ripple_nm: Annotated[Level, Key("largest amplitude of the ripple of these arms", "N m")] = 0.2
     ripple_cycles: Annotated[Level, Key("cycles of their ripple in a turn", "cycles")] = 11.0
 
 
@@ -172,7 +172,9 @@ class Numeric(Section):
 
     seeds: Seeds = key("one repetition of the experiment each; a table shows the median one")
     margin_samples: MemorySamples = key("recorded before and after, removed by **cut**", "samples", "line 4")
-    validation_samples: Annotated[Integer, Ge(2), Le(1_000_000)] = key("length of it", "samples", "Fig. 16, Table 7")
+    validation_samples: Annotated[Integer, Ge(2), Le(1_000_000)] = key(
+        "length of the validation motion", "samples", "Fig. 16, Table 7"
+    )
     arms: NumericArms = key("test arms N1 to N4, in SI units", "", "published: Tables 4, 5", "9 numbers each")
 
 
@@ -194,10 +196,10 @@ class Arm(Section):
     link_lengths_m: Joints = key("l1, l2: where the tip is", "m", "Section III", "within reach of the circle of T2")
     further_viscous_nm_s_per_rad: JointLevels = key("viscous friction that b1, b2 do not have", "N m s/rad", "Table 10")
     stribeck: JointLevels = key("share by which Coulomb friction is higher near standstill", "", "Table 10")
-    stribeck_velocity_rad_s: Positive = key("velocity over which that share fades", "rad/s", "Table 10")
+    stribeck_velocity_rad_s: Positive = key("velocity over which the Stribeck share fades", "rad/s", "Table 10")
     ripple_nm: JointLevels = key("amplitude of a torque that turns with each joint", "N m", "Table 10")
-    ripple_cycles: Level = key("its cycles in a turn of the joint", "1/turn", "Table 10")
-    ripple_phase_rad: JointLevels = key("its phase", "rad", "drawn, not fitted")
+    ripple_cycles: Level = key("cycles of the ripple in a turn of the joint", "1/turn", "Table 10")
+    ripple_phase_rad: JointLevels = key("phase of the ripple", "rad", "drawn, not fitted")
     load_friction: JointLevels = key("Coulomb friction for each N m of commanded torque", "", "Table 10")
     dead_band_counts: Annotated[Integer, Ge(0), Le(1022)] = key("PWM that does not move a motor", "counts", "ours")
 

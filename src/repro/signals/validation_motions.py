@@ -17,7 +17,7 @@ from repro.signals.dct import dct2low
 from repro.signals.trajectories import Motion, quintic, sample_times, sampled_motion
 
 #: Samples of a motion: what its window and the board's memory need.
-Length = Annotated[Integer, Ge(101), Le(8192), Key("its length", "samples", "Fig. 22, 23")]
+Length = Annotated[Integer, Ge(101), Le(8192), Key("length of the motion", "samples", "Fig. 22, 23")]
 #: What has the range of T1 that Section VI gives: each joint's filtered motion, or the numbers before the filter.
 RangeOf = Literal["motion", "numbers"]
 
@@ -46,7 +46,7 @@ class RandomMotion:
     ] = 12.0
     range_rad: Annotated[Positive, Key("range, between minus and plus this", "rad", "published: Section VI")] = 1.2
     range_of: Annotated[
-        RangeOf, Key("what has it: the filtered motion, or the numbers before the filter", source="Section VI")
+        RangeOf, Key("what has this range: the filtered motion, or the numbers before the filter", source="Section VI")
     ] = "motion"
 
 

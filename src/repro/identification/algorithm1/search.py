@@ -37,7 +37,7 @@ class SearchConstants:
     ] = 0.9282
     guess_low: Annotated[Positive, Key("lower end of the guesses", "largest torque", "published: line 17")] = 1e-3
     guess_high: Annotated[
-        Positive, Key("their upper end", "largest torque", "published: line 17", "above `guess_low`")
+        Positive, Key("upper end of the guesses", "largest torque", "published: line 17", "above `guess_low`")
     ] = 3.0
     feasibility: Annotated[
         Literal["positive", "positive-definite"],
