@@ -71,9 +71,11 @@ def test_an_unusual_drive_or_encoder_gives_the_arm(file, arm):
 def test_a_joint_without_a_drive_is_fitted(file, arm):
     path = CASES / f"passive-joint/{file}.csv"
     found = repro.identify(path, arm=Arm(**arm), method="consistent")
-    np.testing.assert_allclose(found.beta[:5], TRUE[:5], rtol=0.06)
+    np.testing.assert_allclose(found.beta[:5], TRUE[:5], rtol=0.02)
     rows = found.parameters.iloc[:5]
     assert ((rows["low"] <= TRUE[:5]) & (TRUE[:5] <= rows["high"])).all()
+    assert (rows["high"] - rows["low"] < 0.05 * TRUE[:5]).all()  # the joint without torque does not lower the cut-off
+    assert not found.warnings
 
 
 @pytest.mark.parametrize(("counts", "multiple"), [(40960, "multiples of 0.62832 rad"), (4096, "")])

@@ -184,10 +184,10 @@ def wrong_length(length: LinkLength | None) -> Iterator[str]:
 
 
 def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
-    """Warn of joints without torque in a log."""
+    """Warn of joints next to without torque in a log; of one without a drive, whose torque is zero, a note says so."""
     beta = np.array([parameter.estimate for parameter in method.parameters])
     for log in problem.logs:
-        for joint in np.flatnonzero(~driven(log.regression, beta)) + 1:
+        for joint in np.flatnonzero(~driven(log.regression, beta) & log.loaded.log.tau.any(axis=-1)) + 1:
             found = f"joint {joint} has next to no torque in {log.loaded.log.name}"
             reason = f"either the other joint moves it or its torque was not recorded (arm file: columns.tau{joint})"
             yield f"{found}: {reason}; its error is relative to the torques that should cancel"

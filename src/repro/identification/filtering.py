@@ -265,7 +265,9 @@ def choose_cutoff(log: Log, settings: FilterSettings) -> Cutoff:
     with np.errstate(divide="ignore", invalid="ignore"):  # no torque at all
         squared = np.nan_to_num(np.abs(cross) ** 2 / measured.real / modelled.real)
     coherence = np.stack([np.interp(frequency, grid, joint) for joint in squared])
-    by_coherence = _first_below(frequency[band], coherence.mean(0)[band], MIN_COHERENCE)
+    driven = log.tau.any(axis=-1)  # a joint without a drive has no torque to explain
+    explained = (coherence[driven] if driven.any() else coherence).mean(0)
+    by_coherence = _first_below(frequency[band], explained[band], MIN_COHERENCE)
 
     hertz = min(by_noise, by_coherence, highest)
     reason = f"above {hertz:.3g} Hz the position is less than {MIN_SIGNAL_TO_NOISE:g} times its noise"
