@@ -319,7 +319,7 @@ def interval_coverage() -> str:
     """Coverage of the intervals of `repro identify`, as the benchmark measured it."""
     measured = pd.read_csv(ROOT / "benchmarks/results/interval_coverage.csv").set_index(["kind", "generator"])
     effects = runpy.run_path(str(ROOT / "benchmarks/planar_arms.py"))["KINDS"]
-    columns = {"coverage": ".0f", "half width": ".2g", "plain coverage": ".0f"}
+    columns = {"coverage": ".3g", "half width": ".2g", "plain coverage": ".3g"}
     rows = []
     for kind in COVERED:
         of_kind = measured.loc[kind].reindex(GENERATORS)

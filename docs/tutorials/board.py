@@ -2,13 +2,13 @@
 # # The board, from motion to parameters (simulated)
 #
 # The board, the arm behind it and all numbers on this page are **simulated**. A board of your own that speaks [the
-# protocol](../../protocol.md) is used the same way: only the port differs, such as `/dev/ttyUSB0`. `snakemake --cores
-# 1 tutorials` runs this page again.
+# protocol](../../protocol.md) is used the same way: only the port differs, such as `/dev/ttyUSB0`. `snakemake --cores 1
+# tutorials` runs this page again.
 #
 # ## Record
 #
-# `repro simulate` starts a simulated board behind a serial port, here the link `board`. Without
-# `--as-fast-as-possible` it keeps the pace of a real one, 2.5 ms a sample.
+# `repro simulate` starts a simulated board behind a serial port, here the link `board`. Without `--as-fast-as-possible`
+# it keeps the pace of a real one, 2.5 ms a sample.
 
 # %%
 import atexit
@@ -59,10 +59,11 @@ slow = repro.identify("ID.bin", validate="T2.bin", method="ordinary")
 show(slow)
 
 # %% [markdown]
-# Eq. 10 is slow and lasts 10.8 s here. It excites gravity and friction, and hardly inertia: the interval of I2 contains
-# zero. The arm has Stribeck friction, which Eq. 1 does not model. The tool finds that of joint 1 and subtracts it. All
-# intervals but that of k2 contain the true value. The friction of joint 2 grows with the torque of its drive. The
-# intervals allow only for friction that grows with the load behind the gear.
+# Eq. 10 is slow and lasts 10.8 s here, without its start and end. It excites gravity and friction, and hardly inertia:
+# the interval of I2 contains zero. The arm has Stribeck friction, which Eq. 1 does not model. The tool finds that of
+# joint 1 and subtracts it. All intervals but that of k2 contain the true value. The friction of joint 2 grows with the
+# torque of its drive, and the intervals allow only for friction that grows with the load behind the gear. So k2 is 77 %
+# too high, although its verdict is *known to 28 %*.
 #
 # ## What to excite
 #
@@ -71,7 +72,7 @@ show(slow)
 # | gravity (g1, g2) | a large range, best beyond 90 degrees on both sides (here the limit is 86) |
 # | friction (b, k) | slow *and* fast motion in the same log, each in both directions |
 # | inertia (I1, I3) | acceleration up to what the drives can do, also of each joint while the other is slow |
-# | coupling (I2) | both joints fast at once, q2 well beyond 90 degrees, where the coupling changes sign |
+# | coupling (I2) | both joints fast at once, q2 well beyond 90 degrees, where the coupling changes sign (not here) |
 #
 # All of it lasts longer than a few periods, with different frequencies for both joints. `repro.excite` designs such a
 # motion within the limits of an arm. The command refuses a motion beyond the limits of the board before it sends
@@ -87,8 +88,7 @@ show(fast)
 
 # %% [markdown]
 # I1, I3, g1 and g2 are within 12 % of the true values now, and all intervals but that of k1 contain them. k1 contains
-# Stribeck friction, and its verdict says so. Friction at joint 2 grows with the torque of its drive. The tool models it
-# with the load behind the gear instead. The residual shows the ripple:
+# Stribeck friction, and its verdict says so. The residual, the lower curve of each joint, shows the ripple:
 
 # %%
 fast.plot(log=0)

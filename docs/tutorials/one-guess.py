@@ -2,8 +2,9 @@
 # # One guess through the network
 #
 # Algorithm 1 repeats five steps: guess, image, residual, corrected guess, score. This page does them once with public
-# names of `repro`, with a guess that was chosen because it passes. It needs the extra `cnn` and runs in a checkout of
-# the project, whose recordings are **simulated**.
+# names of `repro`, with a guess that was chosen because it passes line 22 of Algorithm 1. Algorithm 1 draws guesses up
+# to 3, here it is up to 1. It needs the extra `cnn` and runs in a checkout of the project, whose recordings are
+# **simulated**.
 #
 # ## Signals
 #
@@ -63,6 +64,9 @@ for name, parameters in {"guess": guess, "corrected": corrected}.items():
     scores[name] = 100 * repro.similarity(tau, torque_of(parameters)).total
     print(f"{name:10}", scores[name].round(1))
 
+# %% [markdown]
+# The figure has the two channels of the image above, and below the parameters and the torque of joint 1:
+
 # %%
 figure, grid = plt.subplots(2, 2, figsize=(7.2, 6.4), layout="constrained")
 axes = grid.ravel()
@@ -92,9 +96,9 @@ figure  # noqa: B018
 # %% [markdown]
 # ## Many guesses
 #
-# Algorithm 1 guesses each parameter between 0.001 and 3. Here are 1,000 such guesses, then the true parameters of the
-# simulated arm as the guess, at last with the torque that Eq. 1 gives for them. An error is the root mean square over
-# the nine parameters, in units of the largest torque.
+# Algorithm 1 guesses each parameter between 0.001 and 3. Here are 1,000 such guesses, then, as one guess, the true
+# parameters of the simulated arm. The last row is the same with the torque that Eq. 1 gives for them. An error is the
+# root mean square over the nine parameters, in units of the largest torque.
 
 # %%
 beta = np.array(yaml.safe_load((DATA.parent / "config/config.yaml").read_text())["arm"]["parameters"])
@@ -110,5 +114,7 @@ for name, torque, given in (("random", tau, random), ("true", tau, None), ("true
 
 # %% [markdown]
 # The network brings a random guess much nearer, but not near. Most estimates have a negative parameter, which line 22
-# rejects. Even the true parameters are moved away, because the arm has effects that Eq. 1 lacks: with the torque of
-# Eq. 1 they are moved by 0.03 instead of 0.16. So a good estimate is rare, and Algorithm 1 must draw many guesses.
+# rejects. Even the true parameters are moved away, because the arm has effects that Eq. 1 lacks: with the torque of Eq.
+# 1 they are moved by 0.03 instead of 0.16. The last two rows are one guess each, so *possible* is 0 or 100 %. Even
+# there a parameter is negative, and line 22 rejects the estimate. So a good estimate is rare, and Algorithm 1 must draw
+# many guesses.

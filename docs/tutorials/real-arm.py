@@ -76,9 +76,9 @@ print(result.of("ordinary").parameters.loc[["b1", "b2", "k1", "k2"], ["estimate"
 print(result.errors[["log", "part", "joint", "relative_rms"]].round(3).to_string(index=False))
 
 # %% [markdown]
-# At joint 1 the errors on both falls are larger than on the fitted log, at joint 2 that on the first fall only. The
-# figure shows the first fall. After the release at 5 s no torque acts. The model predicts some, because a large
-# acceleration multiplies small errors of the inertias.
+# At joint 1 both falls have larger errors than the fitted log, at joint 2 only the first. The figure shows the first
+# fall. After the release at 5 s no torque acts. The model predicts some, because a large acceleration multiplies small
+# errors of the inertias.
 
 # %%
 result.plot(log=1)

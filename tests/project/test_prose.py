@@ -143,12 +143,12 @@ PHRASES = [
     ("README.md", "Least squares has {:.2f} % on the same signals", [NUMERIC["least-squares"]]),
     (
         "README.md",
-        "printed schedule and ranges the network has {:.1f} %",
+        "printed schedule and ranges Algorithm 1 has {:.1f} %",
         [recipe("algorithm1+paper-recipe-ranges")[0]],
     ),
     (
         "README.md",
-        "Algorithm 1 has {:.0f} % with 100,000 guesses, and least squares {:.0f} % (medians)",
+        "Algorithm 1 has {:.0f} % with 100,000 guesses per run, and least squares {:.0f} % (medians)",
         [*accepted("algorithm1", 100_000), *accepted("least-squares", 0)],
     ),
     (
@@ -158,8 +158,8 @@ PHRASES = [
     ),
     (
         "README.md",
-        "typically off by {:.1f}, and {:.0f} % are rejected, because a parameter is negative. Even from the true "
-        "parameters it is off by {:.2f}",
+        "typically off by {:.1f} of it. {:.0f} % are rejected, because a parameter is negative. Even from the true "
+        "parameters an estimate is off by {:.2f}",
         [ESTIMATES["random"][0], 100 - ESTIMATES["random"][1], ESTIMATES["true"][0]],
     ),
     (EXPERIMENT, "Algorithm 1 as listed has {:.0f} % with 10⁵ guesses", [SIX[100_000]]),
@@ -371,7 +371,7 @@ PHRASES = [
     ),
     (
         INTERVALS,
-        "In simulations {:.0f} to {:.0f} % of the intervals",
+        "In simulations of such effects {:.0f} to {:.0f} % of the intervals",
         [MEASURED["coverage"].min(), MEASURED["coverage"].max()],
     ),
     (

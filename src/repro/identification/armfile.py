@@ -197,7 +197,9 @@ class Arm:
     plane: Literal["vertical", "horizontal"] = _key(
         "vertical or horizontal", "in a horizontal plane g1 and g2 are zero and not estimated", default="vertical"
     )
-    gravity: _Positive = _key("a number above 0, m/s^2", "for the exports", default=STANDARD_GRAVITY)
+    gravity: _Positive = _key(
+        "a number above 0, m/s^2", "for the exports, and with `link_lengths` for the fit", default=STANDARD_GRAVITY
+    )
     link_lengths: _TwoPositive | None = _key(
         "two numbers above 0, the lengths of link 1 and link 2, m",
         "between the axes, and to the tool: l1 enters the fit (I2 = 2 l1 g2 / g), l2 `workspace` and the exports",
