@@ -24,14 +24,14 @@ TESTABLE := $(call stamp,testable,requirements-test.lock)
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
 	@echo "make quick      the same from the networks that come with the project (results/quick/, paper_figures/quick/)"
-	@echo "make test       set up $(VENV) with the test tools and run every check"
+	@echo "make test       set up $(VENV) with the test tools and run every check but those of the board in logic"
 	@echo "make check      linters, types and the quick tests, before a commit"
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
 	@echo "make golden     run it from stored networks with small counts and compare its numbers with tests/golden"
 	@echo "make rtl        test the board in logic: arithmetic, blocks, recordings, proofs"
 	@echo "make site       build the pages as a site (build/site)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
-	@echo "make lock       make the requirements*.lock files again from pyproject.toml"
+	@echo "make lock       make the requirements*.lock files again from pyproject.toml, but for -cpu and -uv"
 	@echo "make clean      remove $(VENV) and caches; results stay"
 	@echo "Variables: PYTHON=$(PYTHON) CORES=$(CORES)"
 

@@ -108,10 +108,10 @@ def test_asserted_claims_about_networks_keep_twice_the_spread_over_networks():
 CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 
-def test_asserted_claims_hold_and_the_readme_counts_them():
+def test_asserted_claims_hold_and_the_pages_count_them():
     assert broken(CLAIMS.reset_index()).empty
-    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in readme
+    readme, results = (" ".join((ROOT / p).read_text(encoding="utf-8").split()) for p in ("README.md", "docs/results.md"))
+    assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in results
     counted = by_basis(CLAIMS.reset_index())[["numeric", "simulated arm"]].sum(axis=1)
     numbers = r"can test (\d+) printed numbers\. Of these, (\d+) are reproduced or better, (\d+) differ, .*? (\d+) are"
     shown = re.search(numbers, readme)

@@ -110,11 +110,11 @@ METHODS: Final = {
 }
 #: What a name leaves unsaid, by method. Extensions are ours.
 MEANINGS: Final = {
-    "algorithm1/one-run": "all cells of the seed whose mean on ID is the median",
+    "algorithm1/one-run": "all cells of one seed, whose mean on ID is the median",
     "algorithm1+desired": "line 18 takes f of the desired motion (extension)",
     "algorithm1+tracked-measured": "trained on closed-loop motions (extension)",
     "algorithm1+tracked": "trained on closed-loop motions, and line 18 takes f of the desired motion (extension)",
-    "algorithm1+tracked/one-run": "the same with both extensions",
+    "algorithm1+tracked/one-run": "all cells of one seed (extension)",
     "algorithm1+refinement": "chosen guesses go through differential evolution, at first with the network (extension)",
     "algorithm1+local-search": "the same without the network (control)",
     "differential-evolution": "the same from uniform guesses, without a network (control)",
