@@ -110,7 +110,8 @@ CENTRAL = "section5c/validation/algorithm1-over-least-squares"
 
 def test_asserted_claims_hold_and_the_pages_count_them():
     assert broken(CLAIMS.reset_index()).empty
-    readme, results = (" ".join((ROOT / p).read_text(encoding="utf-8").split()) for p in ("README.md", "docs/results.md"))
+    pages = (ROOT / "README.md", ROOT / "docs/results.md")
+    readme, results = (" ".join(page.read_text(encoding="utf-8").split()) for page in pages)
     assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in results
     counted = by_basis(CLAIMS.reset_index())[["numeric", "simulated arm"]].sum(axis=1)
     numbers = r"can test (\d+) printed numbers\. Of these, (\d+) are reproduced or better, (\d+) differ, .*? (\d+) are"

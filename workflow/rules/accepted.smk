@@ -1,13 +1,13 @@
-# Which experiments the printed numbers do not rule out. The first two rules need the extra matching; `all` reads the
-# kept data/experiments.
+# Search for experiments that the printed numbers do not rule out, and methods on those that are accepted. The first two
+# rules need the extra matching; `all` reads the kept data/experiments.
 rule match_start:
     output:
-        f"{R}/matching/{{hypothesis}}-{{start}}.json",
+        f"{RESULTS}/matching/{{hypothesis}}-{{start}}.json",
     resources:
         runtime=30,
     params:
         *call("repro.matching.search:fit_start"),
-        config=sections(*ARM, "matching"),
+        config=sections(*ARM_SECTIONS, "matching"),
     message:
         "Matching experiments, hypothesis {wildcards.hypothesis}, start {wildcards.start}"
     script:
@@ -17,17 +17,17 @@ rule match_start:
 rule match:
     input:
         starts=[
-            f"{R}/matching/{hypothesis}-{start}.json"
+            f"{RESULTS}/matching/{hypothesis}-{start}.json"
             for hypothesis, count in enumerate(SETTINGS.matching.starts)
             for start in range(count)
         ],
     output:
-        starts=f"{R}/matching/starts.csv",
-        experiments=f"{R}/matching/accepted.csv",
-        misfits=f"{R}/matching/misfits.csv",
+        starts=f"{RESULTS}/matching/starts.csv",
+        experiments=f"{RESULTS}/matching/accepted.csv",
+        misfits=f"{RESULTS}/matching/misfits.csv",
     params:
         *call("repro.matching.search:collect"),
-        config=sections(*ARM),
+        config=sections(*ARM_SECTIONS),
     message:
         "Experiments that the printed numbers do not rule out"
     script:
@@ -35,19 +35,19 @@ rule match:
 
 
 EXPERIMENTS = SETTINGS.accepted.experiments
-ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{R}/accepted/recordings.safetensors"}
-UNITS = experiment_units(Path(EXPERIMENTS))
+ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{RESULTS}/accepted/recordings.safetensors"}
+UNIT_OF_EXPERIMENT = experiment_units(Path(EXPERIMENTS))
 
 
 rule simulate_accepted:
     input:
         experiments=EXPERIMENTS,
     output:
-        out=f"{R}/accepted/recordings.safetensors",
+        out=f"{RESULTS}/accepted/recordings.safetensors",
     priority: LONG
     params:
         *call("repro.experiments.accepted:simulate_accepted"),
-        config=sections(*ARM),
+        config=sections(*ARM_SECTIONS),
     message:
         "Simulating the accepted experiments"
     script:
@@ -57,17 +57,17 @@ rule simulate_accepted:
 rule score_spread:
     input:
         **ACCEPTED,
-        weights=expand(f"{R}/model/cnn{{suffix}}.safetensors", suffix=["", "-tracked"]),
+        weights=expand(f"{RESULTS}/model/cnn{{suffix}}.safetensors", suffix=["", "-tracked"]),
         mean_torque=MEAN_TORQUE,
     output:
-        f"{R}/accepted/methods.csv",
+        f"{RESULTS}/accepted/methods.csv",
     priority: LONG
     resources:
         runtime=30,
     params:
         *call("repro.experiments.networks:score_spread"),
         trained_as={name: configuration_digest(of_network(SETTINGS, name)) for name in ("published", "tracked")},
-        config=sections(*USED, *ARM, "networks", "spread"),
+        config=sections(*TRAINING_AND_SEARCH_SECTIONS, *ARM_SECTIONS, "networks", "spread"),
     message:
         "Every method on the accepted experiments"
     script:
@@ -79,13 +79,13 @@ rule search_accepted:
         **ACCEPTED,
         weights=accepted_weights,
     output:
-        f"{R}/accepted/experiment-{{number}}.csv",
+        f"{RESULTS}/accepted/experiment-{{number}}.csv",
     priority: LONG
     resources:
         runtime=120,
     params:
         *call("repro.experiments.guesses:search_accepted"),
-        config=sections(*USED, *ARM, "networks", "accepted"),
+        config=sections(*TRAINING_AND_SEARCH_SECTIONS, *ARM_SECTIONS, "networks", "accepted"),
     message:
         "Algorithm 1 on accepted experiment {wildcards.number}"
     script:

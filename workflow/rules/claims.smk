@@ -1,18 +1,19 @@
+# The ledger of published numbers next to ours, and its check.
 rule claims:
     input:
         **LEDGER_SOURCES,
     output:
         report(
-            f"{R}/claims.csv",
+            f"{RESULTS}/claims.csv",
             category="Claims",
             labels={"what": "Ledger of every published number"},
             caption="../report/claims.rst",
         ),
-        f"{R}/claims.md",
-        f"{R}/claims.sha256",
+        f"{RESULTS}/claims.md",
+        f"{RESULTS}/claims.sha256",
     params:
         *call("repro.paper.ledger:write_ledger"),
-        results=Path(R),
+        results=Path(RESULTS),
         config=LEDGER_SECTIONS,
     message:
         "Ledger of every published number"
@@ -26,10 +27,10 @@ rule verify:
         **LEDGER_SOURCES,
         ledger=LEDGER,
     output:
-        f"{R}/verified.txt",
+        f"{RESULTS}/verified.txt",
     params:
         *call("repro.paper.ledger:verified"),
-        results=Path(R),
+        results=Path(RESULTS),
         config={**LEDGER_SECTIONS, **stated(SETTINGS, "claims")},
     message:
         "Verifying the ledger"

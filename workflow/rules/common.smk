@@ -1,12 +1,18 @@
+# Names, settings and files that several rules share.
+#
+# A suffix names a network: none the default, -tracked trained on closed-loop motions with the desired motion in line 18,
+# -tracked-measured only trained so, -desired only with that motion, -paper-recipe and -paper-recipe-ranges as printed.
+
+
 CODE = CodeDigests()
 
 # Calls the first parameter of a job with the inputs, outputs, parameters and wildcards that it names.
 CALL = "../scripts/call.py"
 # Files that several rules name.
-MEAN_TORQUE = f"{R}/data/mean_torque.csv"
-TRACKED_MOTIONS = f"{R}/data/tracked.safetensors"
-TABLE_FILES = expand(f"{R}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"])
-LEDGER = [f"{R}/claims.csv", f"{R}/claims.md", f"{R}/claims.sha256"]
+MEAN_TORQUE = f"{RESULTS}/data/mean_torque.csv"
+TRACKED_MOTIONS = f"{RESULTS}/data/tracked.safetensors"
+TABLE_FILES = expand(f"{RESULTS}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"])
+LEDGER = [f"{RESULTS}/claims.csv", f"{RESULTS}/claims.md", f"{RESULTS}/claims.sha256"]
 # Priorities: first what others wait for, then training, then other long jobs. So no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
 
@@ -18,23 +24,23 @@ def own_folder(name):
 
 
 def call(function, *definitions):
-    """Function that the job of a rule calls, and digests of what it and further definitions reach; a job needs none."""
+    """Function that a rule's job calls, and digests of the code that it and further definitions reach; in a job none."""
     script = HERE / "scripts/call.py"
     return [function, *(CODE.of_script(script, function, *definitions) if workflow.is_main_process else [])]
 
 
 # What makes training samples.
-SAMPLED = ["repro.experiments.simulated_arms:training_motion", "repro.config.sections:data_settings"]
+SAMPLING_CODE = ["repro.experiments.simulated_arms:training_motion", "repro.config.sections:data_settings"]
 
 
 def training_code(trainer):
     """Digests of what decides the weights of a network, but not of what logs and writes around its training."""
-    return CODE.of(trainer, *SAMPLED) if workflow.is_main_process else []
+    return CODE.of(trainer, *SAMPLING_CODE) if workflow.is_main_process else []
 
 
-# Keys left out of a section. A job that needs one gets it by name. So one more seed reruns no job of another seed, and a
-# network does not depend on what is logged on the way to it.
-IDLE = {
+# Keys that no job reads from its section. A job that needs one has it as a parameter: a new seed reruns only the jobs that
+# search with the seeds or summarise them, and a network does not depend on what is logged on the way to it.
+UNTRACKED_KEYS = {
     "numeric": ["seeds"],
     "experiment": ["search_seeds", *([] if SETTINGS.experiment.source == "serial" else ["port", "baud"])],
     "training": ["source", "networks", "test_samples", "log_every", "checkpoint_every"],
@@ -44,16 +50,23 @@ IDLE = {
 def sections(*names, of=SETTINGS):
     """Parts of the configuration that jobs depend on: changing another part does not run them again."""
     parts = stated(of, *names)
-    for name in IDLE.keys() & parts.keys():
-        parts[name] = {key: value for key, value in parts[name].items() if key not in IDLE[name]}
+    for name in UNTRACKED_KEYS.keys() & parts.keys():
+        parts[name] = {key: value for key, value in parts[name].items() if key not in UNTRACKED_KEYS[name]}
     return parts
 
 
 # Sections that jobs depend on:
-ARM = ("signals", "arm", "board", "experiment")  # that simulate or read the arm
-TRAINED = ("signals", "network", "data", "image", "training")  # that train a network
-USED = (*TRAINED, "metric", "algorithm1", "refinement")  # that also search with it
-READ = ("signals", "network", "image", "metric", "algorithm1", "refinement")  # that search with a finished network
+ARM_SECTIONS = ("signals", "arm", "board", "experiment")  # that simulate or read the arm
+TRAINING_SECTIONS = ("signals", "network", "data", "image", "training")  # that train a network
+TRAINING_AND_SEARCH_SECTIONS = (*TRAINING_SECTIONS, "metric", "algorithm1", "refinement")  # that also search with it
+SEARCH_SECTIONS = (
+    "signals",
+    "network",
+    "image",
+    "metric",
+    "algorithm1",
+    "refinement",
+)  # that search with a finished network
 
 
 def network_sections(*names):
@@ -61,7 +74,7 @@ def network_sections(*names):
 
     def parts(wildcards):
         own = of_network(SETTINGS, network_name(wildcards.suffix))
-        return {**sections(*READ, *names, of=own), "training": {"precision": own.training.precision}}
+        return {**sections(*SEARCH_SECTIONS, *names, of=own), "training": {"precision": own.training.precision}}
 
     return parts
 
@@ -88,7 +101,7 @@ def factorial_motions(wildcards):
 def factorial_training_sections(wildcards):
     """What a network of the factorial depends on."""
     own = FACTORIAL["plain"] if CELLS[wildcards.cell].reader == "plain" else {}
-    return {**sections(*TRAINED, "algorithm1", "board", "experiment"), "factorial": {"plain": own}}
+    return {**sections(*TRAINING_SECTIONS, "algorithm1", "board", "experiment"), "factorial": {"plain": own}}
 
 
 # What a job of the study depends on. Of levels, only the lowest and the highest friction change arms. Job sizes change
@@ -102,7 +115,7 @@ STUDY_TRAINED = {key: STUDY[key] for key in ("seed", "cnn_steps", "posterior", "
 def study_folder(wildcards):
     """Folder of what a job's readers learned: that of its excitation and its law."""
     cell = STUDY_JOBS[wildcards.job][0]
-    return f"{R}/study/{cell.excitation}-{TRAINED_ON[cell.prior]}"
+    return f"{RESULTS}/study/{cell.excitation}-{TRAINED_ON[cell.prior]}"
 
 
 def study_networks(wildcards):
@@ -113,7 +126,7 @@ def study_networks(wildcards):
 # What a search of the factorial depends on: not how many there are.
 SEEDS = ("training_seeds", "search_seeds")
 FACTORIAL = {key: value for key, value in stated(SETTINGS, "factorial")["factorial"].items() if key not in SEEDS}
-FACTORIAL_SECTIONS = {**sections(*USED, *ARM), "factorial": FACTORIAL}
+FACTORIAL_SECTIONS = {**sections(*TRAINING_AND_SEARCH_SECTIONS, *ARM_SECTIONS), "factorial": FACTORIAL}
 
 
 # Networks of the tables, by the suffix of their files; the paper's own recipe is a target of its own.
@@ -128,15 +141,15 @@ def weights(suffix):
     names = ["", *(f"-{name}" for name in plain(SETTINGS.networks))]
     digests = [configuration_digest(of_network(SETTINGS, network_name(each))) for each in names]
     own = digests.index(digests[names.index(suffix)])
-    return f"{R}/model/cnn{names[own]}.safetensors"
+    return f"{RESULTS}/model/cnn{names[own]}.safetensors"
 
 
 def accepted_weights(wildcards):
     """Networks that search an experiment: that of its unit of omega, and in detail that of closed-loop motions."""
-    unit, own = UNITS[int(wildcards.number)], SETTINGS.signals.frequency_reading
-    detailed = list(UNITS)[: SETTINGS.accepted.detailed_experiments]
+    unit, own = UNIT_OF_EXPERIMENT[int(wildcards.number)], SETTINGS.signals.frequency_reading
+    detailed = list(UNIT_OF_EXPERIMENT)[: SETTINGS.accepted.detailed_experiments]
     further = ["-tracked-measured"] if unit == own and int(wildcards.number) in detailed else []
-    return [f"{R}/{network_of_unit(unit, own)}", *map(weights, further)]
+    return [f"{RESULTS}/{network_of_unit(unit, own)}", *map(weights, further)]
 
 
 def is_stored(wildcards):
@@ -159,14 +172,14 @@ def tracked_motions(wildcards):
 def identifications(suffixes):
     """Results of every seed for the networks with these suffixes."""
     return expand(
-        f"{R}/identification/numeric{{suffix}}-seed{{seed}}.json",
+        f"{RESULTS}/identification/numeric{{suffix}}-seed{{seed}}.json",
         suffix=suffixes,
         seed=SETTINGS.numeric.seeds,
     )
 
 
 # Least squares has no seed: one result stands for every one.
-NUMERIC_LEAST_SQUARES = f"{R}/identification/numeric-least-squares.json"
+NUMERIC_LEAST_SQUARES = f"{RESULTS}/identification/numeric-least-squares.json"
 
 
 def present_files(*motions):
@@ -179,39 +192,39 @@ def present_files(*motions):
 
 def captures(motions):
     """Captures of these motions with their sidecars."""
-    return expand(f"{R}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "program", "json"])
+    return expand(f"{RESULTS}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "program", "json"])
 
 
 def experiment_identifications(suffix=""):
     """Identifications of the arm with every seed: by one network, or by those of the tables and by least squares."""
     numbered = expand(
-        f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
+        f"{RESULTS}/identification/experiment{{suffix}}-seed{{seed}}.json",
         suffix=suffix or ARM_SUFFIXES,
         seed=SETTINGS.experiment.search_seeds,
     )
-    return numbered if suffix else [*numbered, f"{R}/identification/experiment-least-squares.json"]
+    return numbered if suffix else [*numbered, f"{RESULTS}/identification/experiment-least-squares.json"]
 
 
 # What the ledger and its tables are made from: changed afterwards, its verification fails.
 LEDGER_SOURCES = {
     "captures": lambda wildcards: present_files(*PROGRAMS),
     "tables": TABLE_FILES,
-    "training": f"{R}/model/training.csv",
-    "scores": [f"{R}/validation/numeric.csv", f"{R}/validation/experiment.csv"],
+    "training": f"{RESULTS}/model/training.csv",
+    "scores": [f"{RESULTS}/validation/numeric.csv", f"{RESULTS}/validation/experiment.csv"],
     "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES, *experiment_identifications()],
 }
 # Settings that are compared with published ones.
 LEDGER_SECTIONS = {
-    **sections(*ARM, "metric", "data", "networks", "algorithm1", "numeric"),
+    **sections(*ARM_SECTIONS, "metric", "data", "networks", "algorithm1", "numeric"),
     **stated(SETTINGS, "training"),
 }
 
 
 # What precedes a wildcard in the name of a log or benchmark, where that is no hyphen; a suffix has its own.
-BEFORE = {"suffix": "", "seed": "-seed", "search": "-search"}
+SEPARATOR_OF_WILDCARD = {"suffix": "", "seed": "-seed", "search": "-search"}
 
 
 def file_stem(rule):
     """Name of a rule's log and benchmark: its own with the wildcards of its output."""
     wildcards = dict.fromkeys(re.findall(r"\{(\w+)", str(rule.output[0])))
-    return "".join([rule.name, *(f"{BEFORE.get(each, '-')}{{{each}}}" for each in wildcards)])
+    return "".join([rule.name, *(f"{SEPARATOR_OF_WILDCARD.get(each, '-')}{{{each}}}" for each in wildcards)])

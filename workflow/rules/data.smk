@@ -1,3 +1,4 @@
+# What networks are trained on.
 rule simulate_tracked:
     output:
         out=TRACKED_MOTIONS,

@@ -1,3 +1,5 @@
+# Tables and figures: a rule for all that a module declares of the same sources, and a target for each name.
+
 EXHIBITS_FOLDER = own_folder("src/repro/exhibits")
 
 # What tables and figures (src/repro/exhibits) are computed from.
@@ -6,44 +8,44 @@ SOURCES = {
     "board": {"synthesis": "data/board/size.csv"},
     "ID": {"captures": captures(["ID"])},
     "validation": {"captures": captures(VALIDATION)},
-    "published": {"identifications": identifications([""]), "scores": f"{R}/validation/numeric.csv"},
+    "published": {"identifications": identifications([""]), "scores": f"{RESULTS}/validation/numeric.csv"},
     "networks": {
         "identifications": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES],
-        "scores": expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
+        "scores": expand(f"{RESULTS}/validation/numeric{{suffix}}.csv", suffix=SUFFIXES),
     },
-    "arm": {"identifications": experiment_identifications(), "scores": f"{R}/validation/experiment.csv"},
+    "arm": {"identifications": experiment_identifications(), "scores": f"{RESULTS}/validation/experiment.csv"},
     "headline": {
         "captures": captures(PROGRAMS),
         "arm": experiment_identifications(),
         "numeric": identifications(SUFFIXES),
     },
-    "spread": {"scores": f"{R}/accepted/methods.csv"},
-    "coverage": {name: f"{R}/coverage/{name}.csv" for name in ("coverage", "ranks", "intervals")},
-    "history": {"history": f"{R}/model/training.csv"},
-    "weights": {"weights": f"{R}/model/cnn.safetensors"},
-    "search": {"search": f"{R}/metric/search.csv", "motions": f"{R}/metric/motions.csv"},
+    "spread": {"scores": f"{RESULTS}/accepted/methods.csv"},
+    "coverage": {name: f"{RESULTS}/coverage/{name}.csv" for name in ("coverage", "ranks", "intervals")},
+    "history": {"history": f"{RESULTS}/model/training.csv"},
+    "weights": {"weights": f"{RESULTS}/model/cnn.safetensors"},
+    "search": {"search": f"{RESULTS}/metric/search.csv", "motions": f"{RESULTS}/metric/motions.csv"},
     "paper_recipe": {
-        "scores": expand(f"{R}/validation/numeric{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES]),
-        "experiment": expand(f"{R}/validation/experiment{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES]),
+        "scores": expand(f"{RESULTS}/validation/numeric{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES]),
+        "experiment": expand(f"{RESULTS}/validation/experiment{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES]),
     },
-    "losses": {"histories": expand(f"{R}/model/training{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES])},
+    "losses": {"histories": expand(f"{RESULTS}/model/training{{suffix}}.csv", suffix=["", *RECIPE_SUFFIXES])},
     "readings": {
-        "results": expand(f"{R}/ablation/readings/{{reading}}.json", reading=INTERPRETATIONS),
-        "losses": [f"{R}/{network_files(reading)[1]}" for reading in INTERPRETATIONS],
+        "results": expand(f"{RESULTS}/ablation/readings/{{reading}}.json", reading=INTERPRETATIONS),
+        "losses": [f"{RESULTS}/{network_files(reading)[1]}" for reading in INTERPRETATIONS],
     },
     "factorial": {
         "scores": [
-            f"{R}/factorial/{cell}-seed{seed}-search{search}.csv"
+            f"{RESULTS}/factorial/{cell}-seed{seed}-search{search}.csv"
             for cell in CELLS
             for seed in SETTINGS.factorial.training_seeds
             for search in SETTINGS.factorial.search_seeds[: 1 if CELLS[cell].reader == "plain" else None]
         ],
-        "references": f"{R}/factorial/references.csv",
+        "references": f"{RESULTS}/factorial/references.csv",
     },
-    "study": {"outcomes": expand(f"{R}/study/cells/{{job}}.csv", job=STUDY_JOBS)},
+    "study": {"outcomes": expand(f"{RESULTS}/study/cells/{{job}}.csv", job=STUDY_JOBS)},
     "matching": {"starts": f"{os.path.dirname(EXPERIMENTS)}/starts.csv", "experiments": EXPERIMENTS},
-    "accepted": {"scores": expand(f"{R}/accepted/experiment-{{number}}.csv", number=UNITS)},
-    "ablation": {"table": f"{R}/tables/ablation.csv"},
+    "accepted": {"scores": expand(f"{RESULTS}/accepted/experiment-{{number}}.csv", number=UNIT_OF_EXPERIMENT)},
+    "ablation": {"table": f"{RESULTS}/tables/ablation.csv"},
 }
 
 
@@ -64,18 +66,18 @@ def files_of(exhibit):
         "caption": caption_file(exhibit),
     }
     if exhibit.kind == "table":
-        stem = f"{R}/tables/{exhibit.name}"
+        stem = f"{RESULTS}/tables/{exhibit.name}"
         return {"csv": report(f"{stem}.csv", **shown), "tex": f"{stem}.tex", "md": f"{stem}.md"}
-    stem = f"{F}/{exhibit.name}"
-    return {"csv": f"{R}/figures/{exhibit.name}.csv", "pdf": f"{stem}.pdf", "png": report(f"{stem}.png", **shown)}
+    stem = f"{FIGURES}/{exhibit.name}"
+    return {"csv": f"{RESULTS}/figures/{exhibit.name}.csv", "pdf": f"{stem}.pdf", "png": report(f"{stem}.png", **shown)}
 
 
 # One job draws what a module declares of the same files, so that little is started for little.
-TOGETHER = {}
+EXHIBITS_OF_JOB = {}
 for exhibit in EXHIBITS:
-    TOGETHER.setdefault((exhibit.numbers.__module__.rpartition(".")[2], *exhibit.inputs), []).append(exhibit)
+    EXHIBITS_OF_JOB.setdefault((exhibit.numbers.__module__.rpartition(".")[2], *exhibit.inputs), []).append(exhibit)
 
-for (module, *sources), exhibits in TOGETHER.items():
+for (module, *sources), exhibits in EXHIBITS_OF_JOB.items():
 
     drawing = "_".join(["draw", module, *sources])
 

@@ -1,19 +1,18 @@
+# The arm behind the board: captures, identification by networks and by least squares, scores. Tables 8 to 10.
+
 # A port can be opened once.
 SERIAL = SETTINGS.experiment.source == "serial"
 if SERIAL:
     workflow.register_resource("serial_port", 1)
 
-# The board in logic, with what simulates it.
-LOGIC = sorted(map(str, (HERE.parent / "rtl").glob("*.*")))
-
 
 rule acquire:
     input:
-        lambda wildcards: LOGIC if SETTINGS.experiment.source == "rtl" else present_files(wildcards.motion),
+        lambda wildcards: BOARD_DESIGN if SETTINGS.experiment.source == "rtl" else present_files(wildcards.motion),
     output:
-        out=f"{R}/experiment/{{motion}}.bin",
-        program=f"{R}/experiment/{{motion}}.program",
-        sidecar=f"{R}/experiment/{{motion}}.json",
+        out=f"{RESULTS}/experiment/{{motion}}.bin",
+        program=f"{RESULTS}/experiment/{{motion}}.program",
+        sidecar=f"{RESULTS}/experiment/{{motion}}.json",
     priority: AWAITED
     # A port hangs on the computer where the run is started.
     localrule: True
@@ -21,23 +20,9 @@ rule acquire:
         serial_port=int(SERIAL),
     params:
         *call("repro.experiments.arm:acquire"),
-        config=sections(*ARM),
+        config=sections(*ARM_SECTIONS),
     message:
         "Capture of {wildcards.motion}"
-    script:
-        CALL
-
-
-# Needs the extra rtl. What all is made from is the kept data/board/size.csv.
-rule synthesise_board:
-    input:
-        sorted(map(str, (HERE.parent / "rtl").glob("*.py"))),
-    output:
-        f"{R}/board/size.csv",
-    params:
-        *call("repro.board.logic:board_size"),
-    message:
-        "Synthesising the board in logic"
     script:
         CALL
 
@@ -49,7 +34,7 @@ rule identify_experiment:
         mean_torque=MEAN_TORQUE,
     output:
         expand(
-            f"{R}/identification/experiment{{suffix}}-seed{{seed}}.json",
+            f"{RESULTS}/identification/experiment{{suffix}}-seed{{seed}}.json",
             seed=SETTINGS.experiment.search_seeds,
             allow_missing=True,
         ),
@@ -60,7 +45,7 @@ rule identify_experiment:
         *call("repro.experiments.networks:identify_experiment"),
         seeds=SETTINGS.experiment.search_seeds,
         trained_as=trained_as,
-        config=network_sections(*ARM),
+        config=network_sections(*ARM_SECTIONS),
     message:
         "Identifying the arm, network{wildcards.suffix}"
     script:
@@ -71,10 +56,10 @@ rule identify_least_squares:
     input:
         captures=captures(["ID"]),
     output:
-        f"{R}/identification/experiment-least-squares.json",
+        f"{RESULTS}/identification/experiment-least-squares.json",
     params:
         *call("repro.experiments.identifications:identify_least_squares"),
-        config=sections(*ARM),
+        config=sections(*ARM_SECTIONS),
     message:
         "Identifying the arm by least squares"
     script:
@@ -87,10 +72,10 @@ rule score_experiment:
         captures=captures(PROGRAMS),
         identifications=lambda wildcards: experiment_identifications(wildcards.suffix),
     output:
-        f"{R}/validation/experiment{{suffix}}.csv",
+        f"{RESULTS}/validation/experiment{{suffix}}.csv",
     params:
         *call("repro.experiments.identifications:score_experiment"),
-        config=sections(*ARM, "metric"),
+        config=sections(*ARM_SECTIONS, "metric"),
     message:
         f"Scoring the arm's estimates on ID and {SPAN}, network{{wildcards.suffix}}"
     script:

@@ -1,3 +1,5 @@
+# Causes of the difference on the arm, in all combinations: a network, a search, and least squares for each.
+
 # Modules that train its networks, by what reads the torque.
 READERS = {"plain": "repro_studies.plain", "cnn": "repro.cnn.train"}
 
@@ -6,7 +8,7 @@ rule train_factorial:
     input:
         motions=factorial_motions,
     output:
-        weights=f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
+        weights=f"{RESULTS}/factorial/{{cell}}-seed{{seed}}.safetensors",
     priority: TRAINING
     resources:
         mem_mb=3000,
@@ -14,7 +16,7 @@ rule train_factorial:
     params:
         "repro_studies.factorial_networks:train_cell",
         code=lambda wildcards: " ".join(training_code(READERS[CELLS[wildcards.cell].reader])),
-        checkpoint=f"{R}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
+        checkpoint=f"{RESULTS}/factorial/.{{cell}}-seed{{seed}}.checkpoint.safetensors",
         config=factorial_training_sections,
     message:
         "Training {wildcards.cell}, seed {wildcards.seed}"
@@ -25,10 +27,10 @@ rule train_factorial:
 rule score_factorial:
     input:
         **ACCEPTED,
-        weights=f"{R}/factorial/{{cell}}-seed{{seed}}.safetensors",
+        weights=f"{RESULTS}/factorial/{{cell}}-seed{{seed}}.safetensors",
         mean_torque=MEAN_TORQUE,
     output:
-        f"{R}/factorial/{{cell}}-seed{{seed}}-search{{search}}.csv",
+        f"{RESULTS}/factorial/{{cell}}-seed{{seed}}-search{{search}}.csv",
     resources:
         runtime=60,
     params:
@@ -44,7 +46,7 @@ rule score_factorial_references:
     input:
         **ACCEPTED,
     output:
-        f"{R}/factorial/references.csv",
+        f"{RESULTS}/factorial/references.csv",
     params:
         *call("repro_studies.factorial:score_references"),
         config=FACTORIAL_SECTIONS,

@@ -1,12 +1,13 @@
+# Search for the formula of the similarity and for the random motion of Table 7.
 rule search_metric:
     output:
-        search=f"{R}/metric/search.csv",
-        motions=f"{R}/metric/motions.csv",
-        composition=f"{R}/metric/composition.csv",
-        abstract=f"{R}/metric/abstract.csv",
-        bounds=f"{R}/metric/bounds.csv",
-        torque_bounds=f"{R}/metric/torque_bounds.csv",
-        least_squares_torque=f"{R}/metric/least_squares_torque.csv",
+        search=f"{RESULTS}/metric/search.csv",
+        motions=f"{RESULTS}/metric/motions.csv",
+        composition=f"{RESULTS}/metric/composition.csv",
+        abstract=f"{RESULTS}/metric/abstract.csv",
+        bounds=f"{RESULTS}/metric/bounds.csv",
+        torque_bounds=f"{RESULTS}/metric/torque_bounds.csv",
+        least_squares_torque=f"{RESULTS}/metric/least_squares_torque.csv",
     params:
         *call("repro.paper.metric_search:search_metric"),
         config=sections("metric_search"),

@@ -1,19 +1,21 @@
+# One page with everything.
+
 TEMPLATES = own_folder("src/repro/report")
 
 
 rule report:
     input:
-        claims=f"{R}/claims.csv",
+        claims=f"{RESULTS}/claims.csv",
         tables=TABLE_FILES,
-        figures=expand(f"{F}/{{figure}}.{{ext}}", figure=ALL_FIGURES, ext=["png", "pdf"]),
-        numbers=expand(f"{R}/figures/{{figure}}.csv", figure=ALL_FIGURES),
+        figures=expand(f"{FIGURES}/{{figure}}.{{ext}}", figure=ALL_FIGURES, ext=["png", "pdf"]),
+        numbers=expand(f"{RESULTS}/figures/{{figure}}.csv", figure=ALL_FIGURES),
         captures=lambda wildcards: present_files(*PROGRAMS),
         templates=sorted(str(file) for file in TEMPLATES.glob("*.*") if file.suffix in (".html", ".css", ".js")),
     output:
-        f"{R}/report/index.html",
+        f"{RESULTS}/report/index.html",
     params:
         *call("repro.report.page:make_report"),
-        made_on_request(Path(R), Path(F), pages_of(TEMPLATES)),
+        made_on_request(Path(RESULTS), Path(FIGURES), pages_of(TEMPLATES)),
         checkout=lambda wildcards, input: os.path.dirname(input.templates[0]),
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=CONFIG_FILES[1:],

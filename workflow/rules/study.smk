@@ -1,3 +1,5 @@
+# Learned methods and least squares in many conditions.
+
 # Inputs are files, not outputs of rules: otherwise a job on a cluster checks that rule, lacks its digests of code, and
 # runs it again.
 
@@ -5,14 +7,14 @@
 # One rule, because the start of a job takes half as long as one of these simulations.
 rule study_arms:
     output:
-        choice=f"{R}/study/arms.safetensors",
-        training=[f"{R}/study/{excitation}-{law}/training.safetensors" for excitation, law in trained(SETTINGS)],
+        choice=f"{RESULTS}/study/arms.safetensors",
+        training=[f"{RESULTS}/study/{excitation}-{law}/training.safetensors" for excitation, law in trained(SETTINGS)],
     priority: AWAITED
     resources:
         runtime=15,
     params:
         *call("repro_studies.methods:make_arms"),
-        config={**sections(*ARM, *TRAINED), "study": STUDY_ARMS},
+        config={**sections(*ARM_SECTIONS, *TRAINING_SECTIONS), "study": STUDY_ARMS},
     message:
         "Choosing motions and arms of the study, and simulating arms to train on"
     script:
@@ -21,17 +23,17 @@ rule study_arms:
 
 rule study_train:
     input:
-        training=f"{R}/study/{{excitation}}-{{law}}/training.safetensors",
+        training=f"{RESULTS}/study/{{excitation}}-{{law}}/training.safetensors",
     output:
-        weights=f"{R}/study/{{excitation}}-{{law}}/{{network}}.safetensors",
+        weights=f"{RESULTS}/study/{{excitation}}-{{law}}/{{network}}.safetensors",
     priority: TRAINING
     resources:
         mem_mb=3000,
         runtime=90,
     params:
         *call("repro_studies.methods:train_reader"),
-        checkpoint=f"{R}/study/{{excitation}}-{{law}}/.{{network}}.checkpoint.safetensors",
-        config={**sections(*TRAINED, "arm", "board"), "study": STUDY_TRAINED},
+        checkpoint=f"{RESULTS}/study/{{excitation}}-{{law}}/.{{network}}.checkpoint.safetensors",
+        config={**sections(*TRAINING_SECTIONS, "arm", "board"), "study": STUDY_TRAINED},
     message:
         "Training {wildcards.network} of {wildcards.excitation}, {wildcards.law}"
     script:
@@ -40,17 +42,17 @@ rule study_train:
 
 rule study_cells:
     input:
-        choice=f"{R}/study/arms.safetensors",
+        choice=f"{RESULTS}/study/arms.safetensors",
         training=lambda wildcards: f"{study_folder(wildcards)}/training.safetensors",
         weights=study_networks,
     output:
-        f"{R}/study/cells/{{job}}.csv",
+        f"{RESULTS}/study/cells/{{job}}.csv",
     resources:
         mem_mb=4000,
         runtime=120,
     params:
         *call("repro_studies.methods:run_job"),
-        config=sections(*ARM, *USED, "study"),
+        config=sections(*ARM_SECTIONS, *TRAINING_AND_SEARCH_SECTIONS, "study"),
     message:
         "Identifying the arms of {wildcards.job}"
     script:

@@ -1,15 +1,16 @@
+# A network for each suffix, trained or taken from the stored ones.
 rule train:
     input:
         stored=stored_network,
         motions=tracked_motions,
     output:
-        weights=f"{R}/model/cnn{{suffix}}.safetensors",
+        weights=f"{RESULTS}/model/cnn{{suffix}}.safetensors",
         history=report(
-            f"{R}/model/training{{suffix}}.csv",
+            f"{RESULTS}/model/training{{suffix}}.csv",
             category="Model",
             caption="../report/training.rst",
         ),
-        card=f"{R}/model/model-card{{suffix}}.md",
+        card=f"{RESULTS}/model/model-card{{suffix}}.md",
     priority: TRAINING
     # One thread, the default: two threads of one network wait for each other, two networks side by side do not.
     resources:
@@ -21,9 +22,9 @@ rule train:
         *training_code("repro.cnn.train"),
         config=training_sections,
         trained_as=trained_as,
-        checkpoint=f"{R}/model/.checkpoint{{suffix}}.safetensors",
+        checkpoint=f"{RESULTS}/model/.checkpoint{{suffix}}.safetensors",
     message:
-        "Training the CNN{wildcards.suffix}"
+        "Network{wildcards.suffix}: trained, or taken from the stored ones"
     script:
         CALL
 

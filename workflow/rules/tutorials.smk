@@ -1,3 +1,5 @@
+# Pages of the tutorials, run from their scripts.
+
 TUTORIALS = ["board", "hello", "one-guess", "real-arm"]
 # What their scripts call.
 TUTORIAL_CODE = [
@@ -19,8 +21,8 @@ rule tutorial:
         script=HERE.parent / "docs/tutorials/{tutorial}.py",
         read=lambda wildcards: TUTORIAL_FILES.get(wildcards.tutorial, []),
     output:
-        page=f"{R}/tutorials/{{tutorial}}.md",
-        figure=f"{R}/tutorials/{{tutorial}}-1.png",
+        page=f"{RESULTS}/tutorials/{{tutorial}}.md",
+        figure=f"{RESULTS}/tutorials/{{tutorial}}-1.png",
     params:
         *call("repro.report.tutorial:run_tutorial", *TUTORIAL_CODE),
         logs=os.environ.get("REPRO_REALDATA", "mine"),

@@ -1,0 +1,18 @@
+# The board as a design in logic.
+
+# Its sources, with what simulates it.
+BOARD_DESIGN = sorted(map(str, (HERE.parent / "rtl").glob("*.*")))
+
+
+# Needs the extra rtl. `all` reads the kept data/board/size.csv.
+rule synthesise_board:
+    input:
+        sorted(map(str, (HERE.parent / "rtl").glob("*.py"))),
+    output:
+        f"{RESULTS}/board/size.csv",
+    params:
+        *call("repro.board.logic:board_size"),
+    message:
+        "Synthesising the board in logic"
+    script:
+        CALL
