@@ -270,7 +270,7 @@ class Study(Section):
     )
     discrepancies: Levels[Share] = key("similarity that ordinary least squares reaches on Eq. 10")
     priors: Levels[Literal["wide", "narrow", "mismatched"]] = key(
-        "distribution of the arms: `wide`, `narrow` (about the stored arm), or `mismatched`, other arms than the wide ones trained on",
+        "arms: `wide`, `narrow` (about the stored arm), `mismatched` (trained on wide ones, tested on others)",
     )
     frictions: Levels[Positive] = key("factors on the friction of tested arms")
     arms: Annotated[Integer, Ge(2), Le(10_000)] = key("tested arms of each prior, in every condition", "arms")
