@@ -1,7 +1,11 @@
 # Names, settings and files that several rules share.
 #
-# A suffix names a network: none the default, -tracked trained on closed-loop motions with the desired motion in line 18,
-# -tracked-measured only trained so, -desired only with that motion, -paper-recipe and -paper-recipe-ranges as printed.
+# A suffix names a network; without one it is the default.
+#   -tracked               closed-loop training, desired motion in line 18
+#   -tracked-measured      closed-loop training, measured motion
+#   -desired               the default network, desired motion
+#   -paper-recipe          the printed training schedule
+#   -paper-recipe-ranges   and the printed ranges of the training arms
 
 
 CODE = CodeDigests()
@@ -38,8 +42,8 @@ def training_code(trainer):
     return CODE.of(trainer, *SAMPLING_CODE) if workflow.is_main_process else []
 
 
-# Keys that no job reads from its section. A job that needs one has it as a parameter: a new seed reruns only the jobs that
-# search with the seeds or summarise them, and a network does not depend on what is logged on the way to it.
+# Keys that do not run a job again by their section. A job that depends on one has it as a parameter: a new seed reruns only
+# the jobs that search with the seeds or summarise them. A network does not depend on what is logged on the way to it.
 UNTRACKED_KEYS = {
     "numeric": ["seeds"],
     "experiment": ["search_seeds", *([] if SETTINGS.experiment.source == "serial" else ["port", "baud"])],
@@ -104,8 +108,8 @@ def factorial_training_sections(wildcards):
     return {**sections(*TRAINING_SECTIONS, "algorithm1", "board", "experiment"), "factorial": {"plain": own}}
 
 
-# What a job of the study depends on. Of levels, only the lowest and the highest friction change arms. Job sizes change
-# nothing.
+# What a job of the study depends on. Of the levels of friction, only the lowest and the highest
+# change arms. Sizes of jobs change nothing.
 STUDY_JOBS, STUDY = jobs(SETTINGS), stated(SETTINGS, "study")["study"]
 STUDY_ARMS = {key: STUDY[key] for key in ("seed", "arms", "excitations", "priors", "training_arms", "unmodelled")}
 STUDY_ARMS["frictions"] = [min(STUDY["frictions"]), max(STUDY["frictions"])]

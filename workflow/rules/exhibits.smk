@@ -72,7 +72,7 @@ def files_of(exhibit):
     return {"csv": f"{RESULTS}/figures/{exhibit.name}.csv", "pdf": f"{stem}.pdf", "png": report(f"{stem}.png", **shown)}
 
 
-# One job draws what a module declares of the same files, so that little is started for little.
+# One job draws what a module declares of the same files, because starting a job takes longer than drawing.
 EXHIBITS_OF_JOB = {}
 for exhibit in EXHIBITS:
     EXHIBITS_OF_JOB.setdefault((exhibit.numbers.__module__.rpartition(".")[2], *exhibit.inputs), []).append(exhibit)
@@ -98,7 +98,7 @@ for (module, *sources), exhibits in EXHIBITS_OF_JOB.items():
             CALL
 
 
-# Each is a target, and so are table and figure of one name.
+# Each exhibit is a target; a table and a figure of one name share one.
 TARGETS = {}
 for exhibit in EXHIBITS:
     for target in dict.fromkeys((exhibit.target, exhibit.name)):
