@@ -36,7 +36,7 @@ command("record", "--port", "./board", "--trajectory", "ID", "--out", "ID.bin")
 command("record", "--port", "./board", "--trajectory", "T2", "--out", "T2.bin")
 
 # %% [markdown]
-# ID is the trajectory of Eq. 10. T2 is one of the motions of Section VI that validate.
+# ID is the trajectory of Eq. 10. T2 is a validation motion of Section VI.
 #
 # ## Identify
 #
@@ -60,10 +60,10 @@ show(slow)
 
 # %% [markdown]
 # Eq. 10 is slow and lasts 10.8 s here, without its start and end. It excites gravity and friction, and hardly inertia:
-# the interval of I2 contains zero. The arm has Stribeck friction, which Eq. 1 does not model. The tool finds that of
-# joint 1 and subtracts it. All intervals but that of k2 contain the true value. The friction of joint 2 grows with the
-# torque of its drive, and the intervals allow only for friction that grows with the load behind the gear. So k2 is 77 %
-# too high, although its verdict is *known to 28 %*.
+# the interval of I2 contains zero. The arm has Stribeck friction, which Eq. 1 does not model. The tool finds the
+# Stribeck friction of joint 1 and subtracts it. All intervals but that of k2 contain the true value. The friction of
+# joint 2 grows with the torque of its drive, and the intervals allow only for friction that grows with the load behind
+# the gear. So k2 is 77 % too high, although its verdict is *known to 28 %*.
 #
 # ## What to excite
 #
@@ -97,7 +97,7 @@ fast.plot(log=0)
 # ## What a better log does not do
 #
 # The parameters are nearer to the truth. The torque errors on T2 are only a little smaller, because T2 has friction and
-# ripple that neither fit contains:
+# ripple that neither fit fully contains:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():

@@ -8,7 +8,7 @@
 # ## A log
 #
 # The model has nine parameters: inertias I1 to I3, gravity g1 and g2, viscous friction b1 and b2, Coulomb friction k1
-# and k2. `repro.excite` designs a motion within the limits of an arm. Noise makes the torque a measured one.
+# and k2. `repro.excite` designs a motion within the limits of an arm. Noise is added to torque and position.
 
 # %%
 import numpy as np

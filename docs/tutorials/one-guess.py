@@ -3,7 +3,7 @@
 #
 # Algorithm 1 repeats five steps: guess, image, residual, corrected guess, score. This page does them once with public
 # names of `repro`, with a guess that was chosen because it passes line 22 of Algorithm 1. Algorithm 1 draws guesses up
-# to 3, here it is up to 1. It needs the extra `cnn` and runs in a checkout of the project, whose recordings are
+# to 3, this page up to 1. It needs the extra `cnn` and runs in a checkout of the project, whose recordings are
 # **simulated**.
 #
 # ## Signals
@@ -48,14 +48,14 @@ for name, values in {"guess": guess, "residual": residual, "corrected": correcte
 # %% [markdown]
 # ## Score
 #
-# The score is the similarity of the measured torque with the torque of the parameters, in % for each joint. Algorithm 1
-# keeps a corrected guess only if no parameter is below zero (line 22). That is rare: of the seeds 1 to 11 only 5 and 8
-# pass.
+# The score is the similarity of the measured torque with the torque of the parameters, in % for each joint (100 %:
+# equal; least squares has 95 and 94 %). Algorithm 1 keeps a corrected guess only if no parameter is below zero (line
+# 22). That is rare: of the seeds 1 to 11 only 5 and 8 pass.
 
 
 # %%
 def torque_of(parameters: np.ndarray) -> np.ndarray:
-    """Torque of parameters in units of the largest torque, N m."""
+    """Torque in N m of parameters in units of the largest torque."""
     return scale * repro.inverse_dynamics(q, dq, ddq, parameters)
 
 
@@ -97,8 +97,8 @@ figure  # noqa: B018
 # ## Many guesses
 #
 # Algorithm 1 guesses each parameter between 0.001 and 3. Here are 1,000 such guesses, then, as one guess, the true
-# parameters of the simulated arm. The last row is the same with the torque that Eq. 1 gives for them. An error is the
-# root mean square over the nine parameters, in units of the largest torque.
+# parameters of the simulated arm. The last row uses the torque of Eq. 1 for them instead of the measured one. An error
+# is the root mean square over the nine parameters, in units of the largest torque.
 
 # %%
 beta = np.array(yaml.safe_load((DATA.parent / "config/config.yaml").read_text())["arm"]["parameters"])
@@ -115,6 +115,5 @@ for name, torque, given in (("random", tau, random), ("true", tau, None), ("true
 # %% [markdown]
 # The network brings a random guess much nearer, but not near. Most estimates have a negative parameter, which line 22
 # rejects. Even the true parameters are moved away, because the arm has effects that Eq. 1 lacks: with the torque of Eq.
-# 1 they are moved by 0.03 instead of 0.16. The last two rows are one guess each, so *possible* is 0 or 100 %. Even
-# there a parameter is negative, and line 22 rejects the estimate. So a good estimate is rare, and Algorithm 1 must draw
-# many guesses.
+# 1 they are moved by 0.03 instead of 0.16. The last two rows are one guess each, so *possible* is 0 or 100 %. Line 22
+# rejects both, because a parameter is negative. So a good estimate is rare, and Algorithm 1 must draw many guesses.
