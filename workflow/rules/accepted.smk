@@ -34,11 +34,6 @@ rule match:
         CALL
 
 
-EXPERIMENTS = SETTINGS.accepted.experiments
-ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{RESULTS}/accepted/recordings.safetensors"}
-UNIT_OF_EXPERIMENT = experiment_units(Path(EXPERIMENTS))
-
-
 rule simulate_accepted:
     input:
         experiments=EXPERIMENTS,

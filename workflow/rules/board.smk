@@ -1,9 +1,4 @@
 # The board as a design in logic.
-
-# Its sources, with what simulates it.
-BOARD_DESIGN = sorted(map(str, (HERE.parent / "rtl").glob("*.*")))
-
-
 # Needs the extra rtl. `all` reads the kept data/board/size.csv.
 rule synthesise_board:
     input:

@@ -17,6 +17,12 @@ MEAN_TORQUE = f"{RESULTS}/data/mean_torque.csv"
 TRACKED_MOTIONS = f"{RESULTS}/data/tracked.safetensors"
 TABLE_FILES = expand(f"{RESULTS}/tables/{{table}}.{{ext}}", table=ALL_TABLES, ext=["csv", "tex", "md"])
 LEDGER = [f"{RESULTS}/claims.csv", f"{RESULTS}/claims.md", f"{RESULTS}/claims.sha256"]
+# Accepted experiments: the kept list, recordings of them, and the unit of omega of each.
+EXPERIMENTS = SETTINGS.accepted.experiments
+ACCEPTED = {"experiments": EXPERIMENTS, "recordings": f"{RESULTS}/accepted/recordings.safetensors"}
+UNIT_OF_EXPERIMENT = experiment_units(Path(EXPERIMENTS))
+# The board as a design in logic, with what simulates it.
+BOARD_DESIGN = sorted(map(str, (HERE.parent / "rtl").glob("*.*")))
 # Priorities: first what others wait for, then training, then other long jobs. So no core is idle at the end.
 AWAITED, TRAINING, LONG = 20, 10, 5
 

@@ -37,7 +37,7 @@ rule score_factorial:
         *call("repro_studies.factorial_networks:score_cell"),
         config=FACTORIAL_SECTIONS,
     message:
-        "Searching with {wildcards.cell}, seed {wildcards.seed}, guesses {wildcards.search}"
+        "Searching with {wildcards.cell}, seed {wildcards.seed}, seed of guesses {wildcards.search}"
     script:
         CALL
 
