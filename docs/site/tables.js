@@ -5,7 +5,14 @@ for (const table of document.querySelectorAll(".md-typeset table:not([class])"))
   table.dataset.cards = "";
   if (headings.length > 6) table.dataset.wide = "";
   for (const row of table.querySelectorAll("tbody tr"))
-    [...row.cells].forEach((cell, k) => (cell.dataset.heading = headings[k]));
+    [...row.cells].forEach((cell, k) => {
+      cell.dataset.heading = headings[k];
+      if (!cell.hasChildNodes()) return;
+      // One box for text, code and links of a cell, next to its heading.
+      const content = document.createElement("span");
+      content.append(...cell.childNodes);
+      cell.append(content);
+    });
 }
 // Two blanks within a line of printed text are the space between columns.
 for (const text of document.querySelectorAll(".md-typeset .language-text code"))
