@@ -276,7 +276,7 @@ PHRASES = [
             *MEDIAN[["algorithm1", "algorithm1+refinement"]],
         ],
     ),
-    (EXPERIMENT, "least squares are so by {:.1f} to {:.1f} points", [EXCESS.min(), EXCESS.max()]),
+    (EXPERIMENT, "These four exceed it by {:.1f} to {:.1f} points", [EXCESS.min(), EXCESS.max()]),
     (
         EXPERIMENT,
         "| 10⁶ | 1 | {:.1f} | {:.1f} | {:.1f} |",
@@ -302,7 +302,11 @@ PHRASES = [
         "raises the similarity from {:.1f} to {:.1f} %, or from {:.1f} to {:.1f} % with the desired motion",
         [CELLS[training, "cnn", motion] for motion in ("measured", "desired") for training in ("ideal", "tracked")],
     ),
-    (CAUSES, "It raises {:.1f} to {:.1f} %", [CELLS["ideal", "cnn", motion] for motion in ("measured", "desired")]),
+    (
+        CAUSES,
+        "Using it raises {:.1f} to {:.1f} %",
+        [CELLS["ideal", "cnn", motion] for motion in ("measured", "desired")],
+    ),
     (CAUSES, "It has {:.1f} % even if it is trained on Eq. 10", [CELLS["ideal", "plain", ""]]),
     (
         CAUSES,
