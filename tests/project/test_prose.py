@@ -378,6 +378,19 @@ PHRASES = [
         "{} of {:,} cases of the study",
         [(SEARCHED["algorithm1"] > SEARCHED["ordinary"]).sum(), len(SEARCHED)],
     ),
+    *(
+        (
+            page,
+            "is {:.1f} points better than plain least squares",
+            [100 * row("study_claims", claim="posterior")["difference"]],
+        )
+        for page in (STUDY, WORTH)
+    ),
+    (
+        WORTH,
+        "it is {:.2f} points better (95 % interval {:.2f} to {:.2f}",
+        [100 * row("study_expectations", claim=5)[name] for name in ("difference", "least", "most")],
+    ),
     (STUDY, "that knows the training arms, too, is {:.1f} points better", [prior_gain("slow", "narrow")]),
     (WORTH, "with the same prior knowledge is {:.1f} points better", [prior_gain("slow", "narrow")]),
     ("docs/results.md", "The mean is {:.2f} %, published 97.45 %", [VALIDATION["algorithm1"]]),
