@@ -45,7 +45,7 @@ command("record", "--port", "./board", "--trajectory", "T2", "--out", "T2.bin")
 # %%
 simulated = repro.read_capture("ID.bin").metadata.board["arm"]
 true = np.array(simulated["parameters"])
-true[5:7] += simulated["further_viscous_nm_s_per_rad"]
+true[5:7] += simulated["further_viscous_nm_s_per_rad"]  # back-EMF, zero for this arm
 
 
 def show(result: repro.Identification) -> None:
@@ -74,9 +74,9 @@ show(slow)
 # | inertia (I1, I3) | acceleration up to what the drives can do, also of each joint while the other is slow |
 # | coupling (I2) | both joints fast at once, q2 well beyond 90 degrees, where the coupling changes sign (not here) |
 #
-# All of it lasts longer than a few periods, with different frequencies for both joints. `repro.excite` designs such a
-# motion within the limits of an arm. The command refuses a motion beyond the limits of the board before it sends
-# anything ([recording](../../recording.md)).
+# Record more than a few periods, with different frequencies at both joints. `repro.excite` designs such a motion within
+# the limits of an arm. The command refuses a motion beyond the limits of the board before it sends anything
+# ([recording](../../recording.md)).
 
 # %%
 arm = repro.Arm(position_limit=((-1.5, 1.5), (-1.5, 1.5)), speed_limit=(4.0, 6.0))

@@ -3,7 +3,7 @@
 #
 # Algorithm 1 repeats five steps: guess, image, residual, corrected guess, score. This page does them once with public
 # names of `repro`, with a guess that was chosen because it passes line 22 of Algorithm 1. Algorithm 1 draws guesses up
-# to 3, this page up to 1. It needs the extra `cnn` and runs in a checkout of the project, whose recordings are
+# to 3, the first sections up to 1. It needs the extra `cnn` and runs in a checkout of the project, whose recordings are
 # **simulated**.
 #
 # ## Signals
@@ -97,8 +97,8 @@ figure  # noqa: B018
 # ## Many guesses
 #
 # Algorithm 1 guesses each parameter between 0.001 and 3. Here are 1,000 such guesses, then, as one guess, the true
-# parameters of the simulated arm. The last row uses the torque of Eq. 1 for them instead of the measured one. An error
-# is the root mean square over the nine parameters, in units of the largest torque.
+# parameters of the simulated arm. The last row replaces the measured torque by that of Eq. 1. An error is the root mean
+# square over the nine parameters, in units of the largest torque.
 
 # %%
 beta = np.array(yaml.safe_load((DATA.parent / "config/config.yaml").read_text())["arm"]["parameters"])
