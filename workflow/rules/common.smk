@@ -10,7 +10,7 @@
 
 CODE = CodeDigests()
 
-# Calls the first parameter of a job with the inputs, outputs, parameters and wildcards that it names.
+# Calls the function that is a job's first parameter, with the inputs, outputs, parameters and wildcards that it names.
 CALL = "../scripts/call.py"
 # Files that several rules name.
 MEAN_TORQUE = f"{RESULTS}/data/mean_torque.csv"

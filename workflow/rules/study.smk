@@ -1,7 +1,7 @@
 # Learned methods and least squares in many conditions.
 
-# Inputs are files, not outputs of rules: otherwise a job on a cluster checks that rule, lacks its digests of code, and
-# runs it again.
+# Inputs are paths, not `rules.NAME.output`: with that a job on a cluster, which has no digests of code, would run the rule
+# NAME again.
 
 
 # One rule, because the start of a job takes half as long as one of these simulations.

@@ -18,7 +18,7 @@ rule train:
         runtime=90,
     params:
         "repro.experiments.training:train_network",
-        # The training alone: nobody wants it again for a change around it.
+        # Digests of the training alone: a change around it must not train again.
         *training_code("repro.cnn.train"),
         config=training_sections,
         trained_as=trained_as,
