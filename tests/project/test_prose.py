@@ -174,7 +174,7 @@ PHRASES = [
     ),
     (
         "README.md",
-        "typically off by {:.1f} of these units. {:.0f} % are rejected, because a parameter is negative. Even from the "
+        "typically off by {:.1f} of these units (root mean square of the nine). {:.0f} % are rejected, because a parameter is negative. Even from the "
         "true parameters an estimate is off by {:.2f}",
         [ESTIMATES["random"][0], 100 - ESTIMATES["random"][1], ESTIMATES["true"][0]],
     ),
@@ -277,7 +277,7 @@ PHRASES = [
             *MEDIAN[["algorithm1", "algorithm1+refinement"]],
         ],
     ),
-    (EXPERIMENT, "These four exceed it by {:.1f} to {:.1f} points", [EXCESS.min(), EXCESS.max()]),
+    (EXPERIMENT, "The four above LS exceed it by {:.1f} to {:.1f} points", [EXCESS.min(), EXCESS.max()]),
     (
         EXPERIMENT,
         "| 10⁶ | 1 | {:.1f} | {:.1f} | {:.1f} |",
