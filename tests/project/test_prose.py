@@ -174,8 +174,8 @@ PHRASES = [
     ),
     (
         "README.md",
-        "typically off by {:.1f} of these units (root mean square of the nine). {:.0f} % are rejected, because a parameter is negative. Even from the "
-        "true parameters an estimate is off by {:.2f}",
+        "typically off by {:.1f} of these units (root mean square of the nine). {:.0f} % are rejected, because a "
+        "parameter is negative. Even from the true parameters an estimate is off by {:.2f}",
         [ESTIMATES["random"][0], 100 - ESTIMATES["random"][1], ESTIMATES["true"][0]],
     ),
     (EXPERIMENT, "Algorithm 1 as listed has {:.0f} % with 10⁵ guesses", [SIX[100_000]]),
