@@ -2,9 +2,9 @@
 # # One guess through the network
 #
 # Algorithm 1 repeats five steps: guess, image, residual, corrected guess, score. This page does them once with public
-# names of `repro`, with a guess that was chosen because it passes line 22 of Algorithm 1. Algorithm 1 draws guesses up
-# to 3, the first sections up to 1. It needs the extra `cnn` and runs in a checkout of the project, whose recordings are
-# **simulated**.
+# names of `repro`, with a guess that was chosen because it passes line 22 of Algorithm 1. Here guesses go up to 1, in
+# *Many guesses* up to 3, as in Algorithm 1. It needs the extra `cnn`, and runs in a checkout of the project after `make
+# setup`, whose recordings are **simulated**.
 #
 # ## Signals
 #
@@ -84,7 +84,7 @@ for values, label, style in (
     (torque_of(guess), "guess", "C0:"),
     (torque_of(corrected), "corrected", "C2--"),
 ):
-    axes[3].plot(run.t[samples], values[0], style, label=label)
+    axes[3].plot(run.t[capture.n1 + samples], values[0], style, label=label)
 axes[3].set(
     title=f"joint 1: {scores['guess'][0]:.0f} %, corrected {scores['corrected'][0]:.0f} %",
     xlabel="time, s",
