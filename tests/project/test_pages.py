@@ -42,6 +42,20 @@ def test_each_package_that_is_asked_for_has_a_citation():
     assert not [name for name in sorted(names) if not re.search(rf"(?<![\w-]){name}(?![\w-])", citations)]
 
 
+@pytest.mark.parametrize(
+    "page",
+    [*PAGES, *sorted(ROOT.glob("*/README.md")), *sorted(ROOT.glob("data/*/README.md"))],
+    ids=lambda page: page.relative_to(ROOT).as_posix(),
+)
+def test_each_table_has_a_heading_and_as_many_cells_in_each_row(page):
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    for table in re.findall(r"(?:^ *\|.*\n)+", text, re.MULTILINE):
+        heading, rule, *rows = (line.strip() for line in table.splitlines())
+        assert re.fullmatch(r"\|(?: *:?-+:? *\|)+", rule), heading
+        cells = [len(re.findall(r"(?<!\\)\|", row)) for row in (heading, rule, *rows)]
+        assert len(set(cells)) == 1, heading
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_names_of_the_package_are_there(page):
     names = set(re.findall(r"`(repro(?:\.\w+)+)`", page.read_text(encoding="utf-8")))
