@@ -245,6 +245,10 @@ PHRASES = [
         "{:.1f} points",
         [accepted("algorithm1", 100_000, "experiments")[0] / 100, (ABOVE > 0).sum(), len(ABOVE), ABOVE.max()],
     ),
+    *(
+        (page, f"{words} {{}} of {{}}", [by_network(2)[-1] + by_network(3)[-1], 2 * OTHERS["experiment"].nunique()])
+        for page, words in (("README.md", "with two other networks in"), (EXPERIMENT, "(#other-networks) it is in"))
+    ),
     *((EXPERIMENT, f"| {seed} | {{:.1f}} | {{:.1f}} | {{:.1f}} | {{}} of 23 |", by_network(seed)) for seed in (2, 3)),
     (
         EXPERIMENT,
