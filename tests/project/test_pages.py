@@ -44,7 +44,7 @@ def test_each_package_that_is_asked_for_has_a_citation():
 
 @pytest.mark.parametrize(
     "page",
-    [*PAGES, *sorted(ROOT.glob("*/README.md")), *sorted(ROOT.glob("data/*/README.md"))],
+    sorted({*PAGES, *ROOT.glob("*/README.md"), *ROOT.glob("data/*/README.md")}),
     ids=lambda page: page.relative_to(ROOT).as_posix(),
 )
 def test_each_table_has_a_heading_and_as_many_cells_in_each_row(page):

@@ -184,7 +184,7 @@ def wrong_length(length: LinkLength | None) -> Iterator[str]:
 
 
 def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[str]:
-    """Warn of joints next to without torque in a log; of one without a drive, whose torque is zero, a note says so."""
+    """Warn of joints with next to no torque in a log; one without a drive, whose torque is zero, has a note instead."""
     beta = np.array([parameter.estimate for parameter in method.parameters])
     for log in problem.logs:
         for joint in np.flatnonzero(~driven(log.regression, beta) & log.loaded.log.tau.any(axis=-1)) + 1:
