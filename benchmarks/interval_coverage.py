@@ -137,27 +137,8 @@ def summary(rows: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(lines)
 
 
-def markdown(table: pd.DataFrame) -> str:
-    """The table with coverage and its interval in one cell."""
-    heads = [
-        *("generator", "unmodelled effect", "arms", "without intervals, %", "coverage, %", "half width, %"),
-        *('"known to x %"', "off by more", "arms with a calibration error corrected"),
-        *("plain bootstrap: coverage, %", "half width, %"),
-    ]
-    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    for row in table.to_dict("records"):
-        shares = [
-            f"{row[p]:.0f} ({row[p + ' low']:.0f} to {row[p + ' high']:.0f})" for p in ("coverage", "plain coverage")
-        ]
-        widths = [f"{row[p]:.2g}" for p in ("half width", "plain half width")]
-        cells = [row["generator"], planar_arms.KINDS[row["kind"]], row["arms"], f"{row['refused']:.0f}"]
-        cells += [shares[0], widths[0], row["claims"], row["wrong claims"], row["corrected"], shares[1], widths[1]]
-        lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines) + "\n"
-
-
 def main() -> None:
-    """Write the table of coverage as CSV and Markdown, and every interval as CSV."""
+    """Write the table of coverage, and every interval, as CSV."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--arms", type=int, default=40)
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks" / "results")
@@ -175,8 +156,7 @@ def main() -> None:
     table = summary(rows)
     rows.to_csv(args.out / "intervals.csv", index=False, float_format="%.6g")
     table.to_csv(args.out / "interval_coverage.csv", index=False, float_format="%.3g")
-    (args.out / "interval_coverage.md").write_text(markdown(table), encoding="utf-8")
-    print(markdown(table))
+    print(table.to_string(index=False, float_format="%.3g"))
 
 
 if __name__ == "__main__":
