@@ -40,7 +40,7 @@ PAGES = (
     "docs/explanation/study.md",
 )
 #: Kinds of effect whose coverage the page on intervals shows, and the generators of their arms.
-COVERED = ("clean", "coarse", "constant", "position", "friction", "temperature", "rotor5", "rotor30+flexible")
+COVERED = ("clean", "coarse", "constant", "position", "friction", "temperature", "rotor30", "rotor30+flexible")
 GENERATORS = ("board", "planar")
 NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
@@ -181,7 +181,7 @@ def costs() -> str:
         decimals = {"jobs": 0, "minutes": 1, "cpu_minutes": 1, "memory_mib": 0, "disk_mb": 1}
         figures = ["" if target is None else f"{of.iloc[0][name]:.{n}f}" for name, n in decimals.items()]
         rows.append([label, str(len(of)), *figures])
-    return markdown(["target", "claims", "jobs", "minutes", "on the processor", "MiB", "MB"], rows)
+    return markdown(["target", "claims", "jobs", "minutes", "processor minutes", "memory, MiB", "disk, MB"], rows)
 
 
 def verdict() -> str:
@@ -260,7 +260,8 @@ def options(name: str, command: argparse.ArgumentParser) -> str:
             names = ", ".join(action.option_strings) or value.strip()
             shown = f"`{names}{value if action.option_strings else ''}`"
             choices = f"; one of {', '.join(f'`{each}`' for each in action.choices)}" if action.choices else ""
-            rows.append([shown, formatter._expand_help(action) + choices])
+            needed = "; required" if action.required and action.option_strings else ""
+            rows.append([shown, formatter._expand_help(action) + choices + needed])
     return f"## repro {name}\n\n{command.description}\n\n{markdown(['option', 'meaning'], rows)}"
 
 

@@ -20,11 +20,11 @@ from repro.errors import InputError, end_by_exception, failure, one_of, shown
 _UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
 #: Subcommands in the order of a user's work: what declares its options, and what runs it.
 COMMANDS = {
+    "identify": (identify.add_arguments, identify.run),
+    "excite": (excite.add_arguments, excite.run),
     "simulate": (boards.simulate_arguments, boards.simulate),
     "record": (boards.record_arguments, boards.record),
     "decode": (boards.decode_arguments, boards.decode),
-    "excite": (excite.add_arguments, excite.run),
-    "identify": (identify.add_arguments, identify.run),
     "check": (runs.check_arguments, runs.check),
     "verify": (runs.verify_arguments, runs.verify),
     "compare": (runs.compare_arguments, runs.compare),
