@@ -26,6 +26,21 @@ def test_another_process_on_the_same_host_computes_the_same():
     assert len(set(here.values())) >= 20  # the two lstsq come from one LAPACK
 
 
+def test_hosts_that_train_in_another_arithmetic_differ_in_a_probe_of_networks(monkeypatch):
+    # Both multiply bfloat16 to the same bytes, but `precision: auto` takes it only where it is native.
+    code = (
+        "import json; from repro.cnn.network import on_this_processor; from repro.fingerprint import network_fingerprint; "
+        "print(json.dumps([on_this_processor('auto'), network_fingerprint()]))"
+    )
+    found = []
+    for value in ("AVX2", "DEFAULT"):
+        monkeypatch.setenv("ONEDNN_MAX_CPU_ISA", value)
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        found.append(json.loads(done.stdout))
+    (limited, probes), (precision, own) = found
+    assert (limited == precision) or differing(probes, own)
+
+
 def test_a_host_that_computes_the_same_is_inside_the_contract():
     assert "inside the numeric contract" in compare_hosts(fingerprint())
     assert "no fingerprint" in compare_hosts(None)

@@ -64,7 +64,11 @@ def network_fingerprint() -> dict[str, str]:
     torch.nn.functional.conv2d(x, weight).square().sum().backward()  # type: ignore[no-untyped-call]
     assert weight.grad is not None  # just computed
     half = rows.bfloat16()
+    # What `precision: auto` follows: an emulated product has the same bytes, but networks are then trained in float32.
+    able = [name for name in ("avx512_bf16", "amx_bf16", "bf16") if torch.cpu.get_capabilities().get(name)]
+    native = [*able, torch.ops.mkldnn._is_mkldnn_bf16_supported()]
     return {
+        f"{OF_NETWORKS} native bfloat16": _digest(json.dumps(native).encode()),
         f"{OF_NETWORKS} randn": _digest(x.numpy()),
         f"{OF_NETWORKS} sigmoid": _digest(torch.sigmoid(x).numpy()),
         f"{OF_NETWORKS} matmul": _digest((rows @ rows.mT).numpy()),

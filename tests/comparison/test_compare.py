@@ -148,7 +148,8 @@ def test_hosts_of_one_fingerprint_make_the_same_bits():
     assert reproducible(HOST, HOST) == {Kind.SIMULATED, Kind.TRAINED}
     assert reproducible(HOST, other) == {Kind.SIMULATED}  # arms are simulated without a network
     assert not reproducible(HOST, {**HOST, "dot": "3"})
-    assert not reproducible(HOST, {"dot": "1"})  # a run whose networks' probes are not known
+    assert reproducible(HOST, {"dot": "1"}) == {Kind.SIMULATED}  # a run that did not record how networks compute
+    assert not reproducible(HOST, {"torch matmul": "2"})
     assert not reproducible(HOST, None)
 
 
