@@ -29,7 +29,8 @@ def test_another_process_on_the_same_host_computes_the_same():
 def test_hosts_that_train_in_another_arithmetic_differ_in_a_probe_of_networks(monkeypatch):
     # Both multiply bfloat16 to the same bytes, but `precision: auto` takes it only where it is native.
     code = (
-        "import json; from repro.cnn.network import on_this_processor; from repro.fingerprint import network_fingerprint; "
+        "import json; from repro.cnn.network import on_this_processor; "
+        "from repro.fingerprint import network_fingerprint; "
         "print(json.dumps([on_this_processor('auto'), network_fingerprint()]))"
     )
     found = []

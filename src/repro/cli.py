@@ -10,6 +10,7 @@ import re
 import sys
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout, suppress
+from itertools import takewhile
 from typing import Any, NoReturn, TextIO, cast
 
 from repro import __version__, contract
@@ -37,6 +38,15 @@ class OneLineParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print the line and exit with code 2."""
         self.exit(2, f"{self.prog}: {message} (all options: {self.prog} --help)\n")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:  # noqa: ANN401 - as it is declared there
+        """Refuse an option that a subcommand does not have before one that is missing."""
+        options = [text.partition("=")[0] for text in takewhile(lambda text: text != "--", args or ())]
+        known = [name for name in self._option_string_actions if name.startswith("--")]
+        for name in () if self._subparsers else (text for text in options if text.startswith("--")):
+            if not any(option.startswith(name) for option in known):
+                self.error(f"option: found {name}, expected {one_of(known, name)}")
+        return super().parse_known_args(args, namespace)
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         if action.choices is not None and value not in action.choices:

@@ -165,6 +165,8 @@ def test_check_refuses_what_snakemake_would(tmp_path, refused, content, place):
     [
         (["identfy", "log.csv"], "COMMAND", "identify"),
         (["identify", "l", "-o", "o", "--method", "ls"], "--method", "least-squares"),
+        (["identify", "l", "-o", "o", "--metod=ordinary"], "repro identify: option", "--method"),
+        (["identify", "l", "--outt", "o"], "repro identify: option", "--out"),  # before the missing --out
     ],
 )
 def test_the_likely_name_is_proposed_for_a_mistyped_one(capsys, argv, place, likely):

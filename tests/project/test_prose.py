@@ -173,9 +173,13 @@ PHRASES = [
     ),
     (
         "README.md",
-        "to 100,000 the median over the 24 rises from {:.0f} to {:.0f} %. On the six that fit best, which are harder, "
-        "one run each, 100,000 guesses have {:.0f} % and a million {:.0f} %",
-        [*accepted("algorithm1", 1_000), *accepted("algorithm1", 100_000), SIX[100_000], SIX[MILLION]],
+        "to 100,000 the median over the 24 rises from {:.0f} to {:.0f} %",
+        [*accepted("algorithm1", 1_000), *accepted("algorithm1", 100_000)],
+    ),
+    (
+        "README.md",
+        "one run each ({:.0f} % with 100,000 guesses, {:.0f} % with a million)",
+        [SIX[100_000], SIX[MILLION]],
     ),
     (
         "README.md",

@@ -114,7 +114,10 @@ def test_asserted_claims_hold_and_the_pages_count_them():
     readme, results = (" ".join(page.read_text(encoding="utf-8").split()) for page in pages)
     assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in results
     counted = by_basis(CLAIMS.reset_index())[["numeric", "simulated arm"]].sum(axis=1)
-    numbers = r"can test (\d+) printed numbers\. Of these, (\d+) are reproduced or better, (\d+) differ, .*? (\d+) are"
+    numbers = (
+        r"can test (\d+) printed numbers\. In the kept reference run, (\d+) are reproduced or better, (\d+) differ, "
+        r".*? (\d+) are"
+    )
     shown = re.search(numbers, readme)
     expected = [counted.sum(), counted["reproduced"] + counted["better"], counted["differs"], counted["inconclusive"]]
     assert shown is not None

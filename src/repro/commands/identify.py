@@ -27,8 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method",
         action="append",
         choices=(*GROUPS, *LEAST_SQUARES, *NETWORKS),
-        help="may be given more than once (default: least-squares, which takes seconds; Algorithm 1 trains a CNN "
-        "for the motion of one log, from half a minute to a few minutes)",
+        help="may be given more than once (default: least-squares, which takes seconds; Algorithm 1 is there to "
+        "compare with the paper: it trains a CNN for the motion of one log, from half a minute to a few minutes)",
     )
     add("-o", "--out", metavar="FOLDER", required=True, type=folder, help="folder for parameters, report and exports")
     add("--overwrite", action="store_true", help="replace files of the same names in that folder")

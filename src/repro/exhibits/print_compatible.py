@@ -234,32 +234,32 @@ def accepted_cells(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     return cells[cells["unit"] == "all"].drop(columns="unit")
 
 
-#: Variants of Algorithm 1 in the figure, and what a row of its numbers is of.
-SEARCHED = ("algorithm1", "algorithm1+desired", "algorithm1+tracked-measured")
+#: The method in the figure, and what a row of its numbers is of.
+SEARCHED = "algorithm1"
 EACH, MEDIAN, OF_FEW = "experiment", "median", "median of those with the largest budget"
 
 
 def draw_guesses(frame: pd.DataFrame) -> Figure:
     """Mean total against the number of guesses: a line for each experiment, and medians."""
-    drawn, panels = style.new_panels(style.PAGE, 3.0, 1, 2, sharey=True)
+    drawn, panels = style.new_panels(style.PAGE, 3.0, 1, 2)
     titles = {"ID": "ID, mean of both joints", MEAN: f"Mean over {SPAN}"}
-    for axes, (case, title) in zip(panels, titles.items(), strict=True):
+    look, name = style.STROKES[SEARCHED], style.SERIES_LABELS[SEARCHED]
+    for axes, (case, title), lowest in zip(panels, titles.items(), (60.0, 0.0), strict=True):
         own = dict(iter(frame[frame["case"] == case].groupby(["of", "method"])))
-        for method in SEARCHED:
-            look, label = style.STROKES[method], style.SERIES_LABELS[method]
-            for _, line in own[EACH, method].groupby("experiment"):
-                axes.plot(line["guesses"], 100.0 * line["total"], color=look["color"], alpha=0.2, lw=0.6)
-            median = own[MEDIAN, method]
-            axes.plot(median["guesses"], 100.0 * median["total"], label=label, **look, **style.MARKS[method])
-        few = own[OF_FEW, SEARCHED[0]]
-        label = f"{style.SERIES_LABELS[SEARCHED[0]]}, {few['experiments'].max():.0f} experiments, one seed"
-        axes.plot(few["guesses"], 100.0 * few["total"], label=label, color=style.INK, marker="s", ms=3.0, lw=0.8)
+        for _, line in own[EACH, SEARCHED].groupby("experiment"):
+            axes.plot(line["guesses"], 100.0 * line["total"], color=look["color"], alpha=0.3, lw=0.6)
+        median = own[MEDIAN, SEARCHED]
+        label = f"{name}, {median['experiments'].max():.0f} experiments"
+        axes.plot(median["guesses"], 100.0 * median["total"], label=label, **look, **style.MARKS[SEARCHED])
+        few = own[OF_FEW, SEARCHED]
+        label = f"{name}, {few['experiments'].max():.0f} of them, one seed"
+        axes.plot(few["guesses"], 100.0 * few["total"], label=label, color="0.35", marker="s", ms=3.0, lw=0.8)
         for method in ("least-squares", "bounded"):
             level = 100.0 * own[MEDIAN, method]["total"].iloc[0]
             axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
         published = 100.0 * own[MEDIAN, "published"]["total"].iloc[0]
         axes.axhline(published, color=style.INK, lw=1.4, label="Published, Algorithm 1")
-        axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(0.0, 100.0))
+        axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(lowest, 100.0))
     panels[0].set_ylabel("Total similarity (%)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
 
@@ -279,9 +279,10 @@ def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     largest number; levels of least squares over the same experiments, and the published level of Algorithm 1.
     """
     scores = _scores(inputs)
-    few = scores[(scores["method"] == SEARCHED[0]) & (scores["guesses"] == scores["guesses"].max())]
+    scores = scores[~scores["method"].str.startswith(f"{SEARCHED}+")]
+    few = scores[(scores["method"] == SEARCHED) & (scores["guesses"] == scores["guesses"].max())]
     first = scores[scores["experiment"].isin(few["experiment"]) & scores["seed"].isin(few["seed"])]
-    each, longest = (_means(by_experiment(of)) for of in (scores, first[first["method"] == SEARCHED[0]]))
+    each, longest = (_means(by_experiment(of)) for of in (scores, first[first["method"] == SEARCHED]))
     on_id = float(np.mean([_published("algorithm1", "ID", joint) for joint in (1, 2)]))
     printed = pd.DataFrame({"case": ["ID", MEAN], "total": [on_id, _published("algorithm1", MEAN, 0)]})
     frames = [medians(each), medians(longest).query("of == @MEDIAN").assign(of=OF_FEW)]

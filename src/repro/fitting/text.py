@@ -216,12 +216,17 @@ def term_line(term: ExtraTerm, stribeck_speed: float | None = None) -> str:
     return f"{size}; {done} the cross-validated squared error by {100 * term.gain:.0f} %{remedy}"
 
 
+#: What an export leaves out, by the kind of term.
+NAMES_OF_TERMS = {LOAD: "the load-dependent friction", STRIBECK: "the Stribeck friction", ROTOR: "the rotor"}
+
+
 def export_lines(result: Result) -> tuple[str, ...]:
     """Report the torque error of each export that cannot contain a term of the arm."""
     lines = []
     for name, scores in result.exports.items():
         errors = ", ".join(_errors("", score) for score in scores)
-        lines.append(f"{name} leaves out {', '.join(result.left_out_of(name))}: torque error {errors} %")
+        left_out = ", ".join(f"{NAMES_OF_TERMS[x[:-1]]} of joint {x[-1]}" for x in result.left_out_of(name))
+        lines.append(f"{name} leaves out {left_out}: torque error {errors} %")
     return tuple(lines)
 
 

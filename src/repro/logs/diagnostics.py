@@ -26,6 +26,7 @@ from repro.model.parameters import Array
 
 _TURN: Final = 2.0 * np.pi
 MAX_REST_SPEED = 0.02  # speed below which a joint is at rest, rad/s
+MAX_DOUBTFUL_RANGE_RAD = 0.06  # of the joint that moves more: 3.4 rad are so little if they are taken for degrees
 #: Deviation of a torque from the median of five samples, in ranges that contain 90 % of them. The real arms reach 3.5.
 MAX_TORQUE_DEVIATION = 5.0
 #: Ratios of recorded velocity to differentiated position that have a known cause.
@@ -52,6 +53,14 @@ def still_joint(log: Log) -> Iterator[str]:
     for joint, moved in still[:1]:
         found = f"joint {joint} does not move ({moved:.2g} rad)"
         yield f"{found}, so its friction and inertia are not excited: record a motion of both joints"
+
+
+def small_range(log: Log) -> Iterator[str]:
+    """Report a motion that is as small as one in rad that was taken for degrees."""
+    moved = np.ptp(log.q, axis=1).max()
+    if MIN_RANGE_RAD <= moved < MAX_DOUBTFUL_RANGE_RAD:
+        found = f"no joint moves by more than {np.degrees(moved):.2g} degrees"
+        yield f"{found}: if the positions are rad, write into the arm file: units: {{position: rad}}; else move further"
 
 
 def large_range(log: Log) -> Iterator[str]:
@@ -163,9 +172,9 @@ def left_out_torque(log: Log) -> Iterator[str]:
 
 def diagnose(log: Log, arm: Arm) -> tuple[str, ...]:
     """List what may be wrong with a log as read, one line each; InputError if gaps leave no segment long enough."""
-    checks = (still_joint, large_range, position_jump, torque_spikes)
-    still, turns, jumps, spikes = (list(check(log)) for check in checks)
-    warnings = [*still, *turns, *odd_speed(log), *jumps, *spikes, *odd_torque(log)]
+    checks = (still_joint, small_range, large_range, position_jump, torque_spikes)
+    still, small, turns, jumps, spikes = (list(check(log)) for check in checks)
+    warnings = [*still, *small, *turns, *odd_speed(log), *jumps, *spikes, *odd_torque(log)]
     # A joint at rest, a jump or a spike misleads checks of signals against each other; degrees seem to jump, too.
     if not (still or spikes) and (turns or not jumps):
         smooth = smoothed(decimated(uniform(log)))

@@ -19,9 +19,9 @@ _factorial_table, _factorial_figure = (
 )
 
 _FACTORS = {
-    "image_motion": "f on the desired motion",
+    "image_motion": "desired motion",
     "training": "closed-loop training",
-    "metric": "energy ratio",
+    "metric": "energy ratio as metric",
     "reader": "plain network",
 }
 _CONTRASTS = {
@@ -32,7 +32,7 @@ _CONTRASTS = {
 
 
 def _words(effect: str) -> str:
-    return " x ".join(_FACTORS[name] for name in effect.split(" x "))
+    return " \N{MULTIPLICATION SIGN} ".join(_FACTORS[name] for name in effect.split(" x "))
 
 
 def _estimate(row: Mapping[Hashable, float], factor: float, decimals: int) -> Text:
@@ -87,19 +87,19 @@ def draw_effects(frame: pd.DataFrame) -> Figure:
     order = rows[rows["response"] == "validation"].sort_values("value", key=abs, ascending=False)
     names = list(dict.fromkeys(order["label"]))
     drawn, panels = style.new_panels(style.PAGE, 0.9 + 0.17 * len(names), 1, 2, sharey=True)
-    label = f"{frame['experiments'].min()} experiments"
     for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
         own = rows[rows["response"] == response]
         at = own["label"].map(names.index).to_numpy()
         axes.hlines(at, 100.0 * own["low"], 100.0 * own["high"], color=style.INK, lw=1.0)
-        axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK, label=label)
+        axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK)
         axes.axvline(0.0, color="0.6", lw=0.6)
         axes.margins(x=0.05)  # no interval may seem cut
-        axes.set(title=title, xlabel="Effect (points of per cent)")
+        axes.set(title=title, xlabel="Effect (percentage points)")
         axes.grid(visible=False, axis="y")
     panels[0].set_yticks(range(len(names)), labels=names)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
-    return style.legend_above(drawn, panels[0], 2, style.SIMULATED)
+    drawn.suptitle(f"{frame['experiments'].min()} simulated experiments", fontsize=style.TEXT_SIZE)
+    return drawn
 
 
 def _factorial(inputs: Inputs) -> pd.DataFrame:

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
+from matplotlib.colors import SymLogNorm
 from matplotlib.figure import Figure
 
 from repro.config.model import Configuration
@@ -25,7 +26,7 @@ _table, _figure = (
 #: Methods of the study in words.
 TITLES = {
     ALGORITHM1: "Algorithm 1",
-    TRACKED: "Algorithm 1, closed-loop training",
+    TRACKED: "Algorithm 1, both extensions",
     POSTERIOR: "Amortised posterior",
     FLOW: "Amortised posterior, flow",
     "ordinary": "Least squares",
@@ -49,7 +50,7 @@ _LOOKS = {
 _MOTIONS = {"eq10": "Eq. 10", "slow": "Eq. 10, half pace", "random": "random", "optimal": "D-optimal"}
 #: Pairs of the map, and where its colours end, points.
 _SHOWN = ((ALGORITHM1, "ordinary"), (TRACKED, "consistent"), (POSTERIOR, "consistent"))
-_LIMIT = 10.0
+_LIMIT, _DARK = 100.0, 15.0
 
 
 def _outcomes(inputs: Inputs) -> pd.DataFrame:
@@ -167,18 +168,21 @@ def draw_map(frame: pd.DataFrame) -> Figure:
             .to_numpy(dtype=np.float64)
             for name in ("mean", "sure", "of")
         )
-        image = axes.imshow(100.0 * mean, cmap="PuOr", vmin=-_LIMIT, vmax=_LIMIT, aspect="auto")
+        image = axes.imshow(100.0 * mean, cmap="PuOr", norm=SymLogNorm(1.0, vmin=-_LIMIT, vmax=_LIMIT), aspect="auto")
         for (i, j), value in np.ndenumerate(100.0 * mean):
             if np.isfinite(value):
-                colour = "white" if abs(value) > 0.6 * _LIMIT else "black"
+                colour = "white" if abs(value) > _DARK else "black"
                 text = f"{value:z.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
                 axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
         axes.set_xticks(range(len(levels)), labels=[f"{100 * level:g}" for level in levels])
         axes.set_yticks(range(len(order)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
-    figure.supxlabel("Similarity of least squares on Eq. 10 (%)", fontsize=style.TEXT_SIZE)
-    figure.colorbar(image, ax=panels, label=f"Points on T1 to T4 ({style.SIMULATED.lower()})", extend="both")
+        axes.set_facecolor("0.85")
+    figure.supxlabel("Grey: not run. Similarity of least squares on Eq. 10 (%)", fontsize=style.TEXT_SIZE)
+    ticks = [sign * 10.0**power for sign in (-1, 1) for power in range(3)]
+    label = f"Points on T1 to T4 ({style.SIMULATED.lower()})"
+    figure.colorbar(image, ax=panels, label=label, ticks=[*ticks, 0.0], format="%g")
     return figure
 
 
