@@ -178,10 +178,10 @@ def costs() -> str:
     for target, label in COSTS.items():
         names = shared.get(target, [target])
         of = frame[frame["target"].isna()] if target is None else frame[frame["target"].isin(names)]
-        decimals = {"jobs": 0, "minutes": 1, "cpu_minutes": 1, "memory_mib": 0, "disk_mb": 1}
+        decimals = {"jobs": 0, "minutes": 1, "memory_mib": 0, "disk_mb": 1}
         figures = ["" if target is None else f"{of.iloc[0][name]:.{n}f}" for name, n in decimals.items()]
         rows.append([label, str(len(of)), *figures])
-    return markdown(["target", "claims", "jobs", "minutes", "processor minutes", "memory, MiB", "disk, MB"], rows)
+    return markdown(["target", "claims", "jobs", "minutes", "memory, MiB", "disk, MB"], rows)
 
 
 def verdict() -> str:
