@@ -222,12 +222,12 @@ NAMES_OF_TERMS = {LOAD: "the load-dependent friction", STRIBECK: "the Stribeck f
 
 def export_lines(result: Result) -> tuple[str, ...]:
     """Report the torque error of each export that cannot contain a term of the arm."""
-    lines = []
+    lines: dict[str, list[str]] = {}  # the exports that a line is about
     for name, scores in result.exports.items():
         errors = ", ".join(_errors("", score) for score in scores)
         left_out = ", ".join(f"{NAMES_OF_TERMS[x[:-1]]} of joint {x[-1]}" for x in result.left_out_of(name))
-        lines.append(f"{name} leaves out {left_out}: torque error {errors} %")
-    return tuple(lines)
+        lines.setdefault(f"without {left_out}: torque error {errors} %", []).append(name)
+    return tuple(f"{', '.join(names)} {line}" for line, names in lines.items())
 
 
 def detection_limits(result: Result) -> tuple[str, ...]:
