@@ -200,6 +200,11 @@ def present_files(*motions):
     return files
 
 
+def files_of_stored_folders(wildcards):
+    """Files of the folders that a run reads instead of measuring or training, which the list of sources covers whole."""
+    return sorted(str(path) for folder in stored_folders(SETTINGS) for path in folder.rglob("*") if path.is_file())
+
+
 def captures(motions):
     """Captures of these motions with their sidecars."""
     return expand(f"{RESULTS}/experiment/{{motion}}.{{ext}}", motion=motions, ext=["bin", "program", "json"])
@@ -218,6 +223,7 @@ def experiment_identifications(suffix=""):
 # What the ledger and its tables are made from: changed afterwards, its verification fails.
 LEDGER_SOURCES = {
     "captures": lambda wildcards: present_files(*PROGRAMS),
+    "stored": files_of_stored_folders,
     "tables": TABLE_FILES,
     "training": f"{RESULTS}/model/training.csv",
     "scores": [f"{RESULTS}/validation/numeric.csv", f"{RESULTS}/validation/experiment.csv"],

@@ -191,7 +191,7 @@ def changed_sources(path: Path, root: Path = Path(), stored: Iterable[Path] = ()
     return problems
 
 
-def _stored_folders(config: Configuration) -> list[Path]:
+def stored_folders(config: Configuration) -> list[Path]:
     """List the folders of the project that a run reads instead of measuring or training."""
     places = (
         (config.experiment.source, config.experiment.captures),
@@ -214,13 +214,13 @@ def write_ledger(
     write_text(results / CLAIMS, text)
     write_text(results / PAGE, _page(text, numbers))
     files = [*files, results / CLAIMS, results / PAGE]
-    write_sources(results / SOURCES, files, [*folders, *_stored_folders(config)], root)
+    write_sources(results / SOURCES, files, [*folders, *stored_folders(config)], root)
 
 
 def verify_ledger(results: Path, config: Configuration, root: Path = Path()) -> tuple[pd.DataFrame | None, list[str]]:
     """Check every source of a ledger, compute it again and compare it with the file, cell by cell."""
     table, page = _text(results / CLAIMS), _text(results / PAGE)
-    problems = changed_sources(results / SOURCES, root, _stored_folders(config))
+    problems = changed_sources(results / SOURCES, root, stored_folders(config))
     try:
         numbers = load_published(PUBLISHED_FILE)
         claims = compute(numbers, config, Results(results))
