@@ -158,7 +158,8 @@ PHRASES = [
     ("README.md", "rebuilt torque is {:.1f} % similar to the true torque", [NUMERIC["algorithm1"]]),
     (
         WORTH,
-        "these arms on a new motion | holds with our training | 97.45 | {:.2f} | least squares has {:.2f}",
+        "these arms on a new motion | holds with our training | 97.45 | {:.2f}; [another network](../numbers.md) 96.95 "
+        "| least squares has {:.2f}",
         [VALIDATION[name] for name in ("algorithm1", "least-squares")],
     ),
     ("README.md", "Least squares has {:.2f} % on the same signals", [NUMERIC["least-squares"]]),
@@ -184,8 +185,9 @@ PHRASES = [
     ),
     (
         "README.md",
-        "typically off by {:.1f} of these units (root mean square of the nine). {:.0f} % are rejected, because a "
-        "parameter is negative. Even from the true parameters an estimate is off by {:.2f}",
+        "typically off by {:.1f} (root mean square of the nine, in units of the largest torque), where the largest "
+        "true parameter is 0.3. {:.0f} % are rejected, because a parameter is negative. Even from the true parameters "
+        "an estimate is off by {:.2f}",
         [ESTIMATES["random"][0], 100 - ESTIMATES["random"][1], ESTIMATES["true"][0]],
     ),
     (EXPERIMENT, "the true share is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
@@ -413,7 +415,7 @@ PHRASES = [
     ("docs/results.md", "The mean is {:.2f} %, published 97.45 %", [VALIDATION["algorithm1"]]),
     (
         "docs/evaluate-in-60-minutes.md",
-        "The reference has {:.2f} %. Five runs predict a further one only to +-{:.0f} points",
+        "The reference has {:.2f} %. The tolerance, from the scatter of five runs, is +-{:.0f} points",
         [TRACED["ours"], TRACED["tolerance"]],
     ),
     (

@@ -246,13 +246,14 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
     look, name = style.STROKES[SEARCHED], style.SERIES_LABELS[SEARCHED]
     for axes, (case, title), lowest in zip(panels, titles.items(), (60.0, 0.0), strict=True):
         own = dict(iter(frame[frame["case"] == case].groupby(["of", "method"])))
-        for _, line in own[EACH, SEARCHED].groupby("experiment"):
-            axes.plot(line["guesses"], 100.0 * line["total"], color=look["color"], alpha=0.3, lw=0.6)
+        for place, (_, line) in enumerate(own[EACH, SEARCHED].groupby("experiment")):
+            label = "" if place else "Single experiments"
+            axes.plot(line["guesses"], 100.0 * line["total"], color="0.8", lw=0.6, label=label)
         median = own[MEDIAN, SEARCHED]
-        label = f"{name}, {median['experiments'].max():.0f} experiments"
+        label = f"{name}, median of {median['experiments'].max():.0f}"
         axes.plot(median["guesses"], 100.0 * median["total"], label=label, **look, **style.MARKS[SEARCHED])
         few = own[OF_FEW, SEARCHED]
-        label = f"{name}, {few['experiments'].max():.0f} of them, one seed"
+        label = f"{name}, median of {few['experiments'].max():.0f}, one seed"
         axes.plot(few["guesses"], 100.0 * few["total"], label=label, color="0.35", marker="s", ms=3.0, lw=0.8)
         for method in ("least-squares", "bounded"):
             level = 100.0 * own[MEDIAN, method]["total"].iloc[0]

@@ -22,7 +22,6 @@ from repro.model.parameters import Array
 
 DPI = 200  # dots per inch: 1432 pixels for the width of a page
 _COLOURS = 96  # colours of a picture; lines and their soft edges need no more, and the file is a third as large
-MAX_DRAWN_METHODS = 3  # methods whose curves are drawn: the recommended one and the first of the others
 MAX_DRAWN_LOGS = 8  # logs whose curves are drawn, so that the page stays light
 #: How methods are drawn, in the order in which the figures name them: each differs from its neighbours in colour,
 #: dash and mark.
@@ -52,13 +51,13 @@ _MAX_DEVIATIONS = 12.0
 def figures_of(result: Result, curves: Curves) -> dict[str, bytes]:
     """Draw all figures of the report."""
     titles = ordered_titles(result)
-    most, best = (dict(islice(titles.items(), count)) for count in (MAX_DRAWN_METHODS, 1))
+    best = dict(islice(titles.items(), 1))
     with style.house_style(), rc_context({"axes.titley": 1.0}):  # nothing is above the panels that a title could meet
         figures = {"parameters": _png(draw_parameters(result))}
         if curves.cutoff is not None:
             figures["cutoff"] = _png(draw_cutoff(curves.cutoff, result.simulated))
         for place, signals in enumerate(curves.signals[:MAX_DRAWN_LOGS]):
-            figures[f"overlay-{place}"] = _png(draw_overlay(signals, most, result.simulated))
+            figures[f"overlay-{place}"] = _png(draw_overlay(signals, best, result.simulated))
             figures[f"spectra-{place}"] = _png(draw_spectra(signals, best, result.simulated))
     return figures
 
@@ -122,11 +121,11 @@ def draw_overlay(signals: Signals, titles: Mapping[str, str], simulated: bool = 
     mask = np.where(steps > 3.0 * np.median(steps), np.nan, 1.0)  # no line crosses a gap of the log
     inside = (signals.t >= start) & (signals.t <= end)
     for joint, name in enumerate(JOINTS):
-        for column, (shown, drawn) in enumerate(((signals.t >= signals.t[0], methods[:1]), (inside, methods))):
+        for column, shown in enumerate((signals.t >= signals.t[0], inside)):
             t, (torque, residual) = signals.t[shown], grid[2 * joint : 2 * joint + 2, column]
             measured = (mask * signals.tau[joint])[shown]
             torque.plot(t, measured, label="Measured", **style.STROKES["actual"])
-            for method in drawn:
+            for method in methods:
                 rebuilt = (mask * signals.rebuilt[method][joint])[shown]
                 torque.plot(t, rebuilt, label=label(titles[method]), **stroke(titles, method))
                 residual.plot(t, measured - rebuilt, **stroke(titles, method))

@@ -99,16 +99,21 @@ class Identification:
 
     @property
     def parameters(self) -> pd.DataFrame:
-        """Estimate, standard error, ends of the 95 % interval, unit and verdict of each parameter, indexed by its name.
+        """Estimates with 95 % intervals and verdicts, indexed by the name of the parameter.
 
-        A method that claims no intervals has NaN there.
+        Columns ``unit``, ``estimate``, ``standard_error``, ``low``, ``high`` and ``verdict``. A method that claims no
+        intervals has NaN there.
         """
         table = parameters_table(self.details)
         return table[table["method"] == self.method].drop(columns="method").set_index("parameter")
 
     @property
     def errors(self) -> pd.DataFrame:
-        """Torque error, similarity and position error of each log and joint: relative RMS, fraction of 1, rad."""
+        """Errors of the rebuilt torque and of the simulated position.
+
+        Columns ``log``, ``part`` and ``joint``; ``relative_rms`` of the torque and ``similarity``, fractions of 1;
+        ``position_rms``, rad.
+        """
         table = scores_table(self.details)
         return table[table["method"] == self.method].drop(columns="method").reset_index(drop=True)
 

@@ -16,7 +16,7 @@ from repro.files import fill_folder, finite, write_csv, write_json, write_text
 from repro.fingerprint import fingerprint
 from repro.fitting import tables, text
 from repro.fitting.export import horizontal_links_of, links_of, mjcf, urdf
-from repro.fitting.figures import MAX_DRAWN_METHODS, figures_of, ordered_titles
+from repro.fitting.figures import figures_of
 from repro.fitting.recommend import unusable
 from repro.fitting.result import MJCF_FILE, URDF_FILE, Curves, Result
 from repro.identification.armfile import Arm
@@ -157,7 +157,6 @@ def render_page(
         blocks=tables.blocks(result),
         pictures={name: embedded(content, _SHOWN) for name, content in figures.items()},
         overlays=sum(name.startswith("overlay-") for name in figures),
-        drawn=list(ordered_titles(result).values())[:MAX_DRAWN_METHODS],
         lengths=[(float(signals.t[-1] - signals.t[0]), signals.t.size) for signals in curves.signals],
         allowed=text.ALLOWED,
         allowed_groups=text.ALLOWED_GROUPS,

@@ -26,8 +26,8 @@ from repro.model.parameters import NAMES, SIGNED, Array, has_possible_signs
 #: What the intervals allow for: by groups, and in full.
 ALLOWED_GROUPS = (
     "the 95 % intervals allow for noise, errors of the motion, the choice of filters, lambda and delay, and one "
-    "unmodelled effect at a time: calibration, friction, torque ripple, motor, gear; not for a wrong scale of both "
-    "torques"
+    "unmodelled effect at a time: calibration, friction, torque ripple, motor, gear; not for several large ones, nor "
+    "for a wrong scale of both torques: validate on other motions"
 )
 ALLOWED = (
     "the 95 % intervals allow for noise, the choice of filters, lambda and delay, errors of the motion, "
@@ -203,12 +203,13 @@ def _with_unit(size: str, unit: str) -> str:
 def term_line(term: ExtraTerm, stribeck_speed: float | None = None) -> str:
     """Report a term that Eq. 1 does not contain."""
     kind, joint = term.kind, term.name[-1]
+    steep = "; a Coulomb friction steeper than lambda looks alike (arm file: friction_steepness: auto)"
     at_rest = "N m more at rest" + (f", 1/e of it at {stribeck_speed:.2g} rad/s" if stribeck_speed else "")
     what = {LOAD: "of its load", STRIBECK: at_rest, ROTOR: "kg m^2, next to I3"}[kind]
     of = "inertia of the rotor" if kind == ROTOR else "friction beyond Eq. 1"
     size = f"{of} of joint {joint}: {term.value:.3g} +- {2 * term.error:.2g} {what}"
     done = "it is subtracted, which reduces" if term.taken else "it is not subtracted; that would reduce"
-    remedy = ""
+    remedy = steep if term.taken and kind == STRIBECK else ""
     if not term.taken and kind == ROTOR:
         remedy = "; the intervals allow for it"
     elif not term.taken and term.gain >= MIN_ERROR_REDUCTION:

@@ -9,6 +9,7 @@
     const search = document.getElementById("search");
     const asserted = document.getElementById("asserted");
     const choices = [...filters.querySelectorAll("select")];
+    const results = document.getElementById("results");
     const status = document.getElementById("shown");
 
     const filter = () => {
@@ -18,7 +19,8 @@
         row.hidden =
           !wanted.every((word) => words.get(row).includes(word)) ||
           choices.some((choice) => choice.value && row.dataset[choice.dataset.filter] !== choice.value) ||
-          (asserted.checked && !("asserted" in row.dataset));
+          (asserted.checked && !("asserted" in row.dataset)) ||
+          (results.checked && ["setting", "arithmetic"].includes(row.dataset.basis));
         count += !row.hidden;
       }
       status.textContent = `${count} of ${rows.length} numbers shown`;
@@ -72,7 +74,9 @@
     filters.addEventListener("reset", () => setTimeout(filter));
     window.addEventListener("hashchange", reveal);
     filters.hidden = false;
+    results.checked = true; // what a reader comes for; without scripts, and after "Show all", every row is shown
     filter();
+    reveal();
   }
 
   for (const line of document.querySelectorAll(".command")) {
