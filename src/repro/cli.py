@@ -46,7 +46,10 @@ class OneLineParser(argparse.ArgumentParser):
         for name in () if self._subparsers else (text for text in options if text.startswith("--")):
             if not any(option.startswith(name) for option in known):
                 self.error(f"option: found {name}, expected {one_of(known, name)}")
-        return super().parse_known_args(args, namespace)
+        parsed, rest = super().parse_known_args(args, namespace)
+        if rest and not self._subparsers:
+            self.error(f"argument: found {rest[0]}, expected the name of an option before it")
+        return parsed, rest
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         if action.choices is not None and value not in action.choices:

@@ -236,7 +236,7 @@ def accepted_cells(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 
 #: The method in the figure, and what a row of its numbers is of.
 SEARCHED = "algorithm1"
-EACH, MEDIAN, OF_FEW = "experiment", "median", "median of those with the largest budget"
+EACH, MEDIAN = "experiment", "median"
 
 
 def draw_guesses(frame: pd.DataFrame) -> Figure:
@@ -252,9 +252,6 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
         median = own[MEDIAN, SEARCHED]
         label = f"{name}, median of {median['experiments'].max():.0f}"
         axes.plot(median["guesses"], 100.0 * median["total"], label=label, **look, **style.MARKS[SEARCHED])
-        few = own[OF_FEW, SEARCHED]
-        label = f"{name}, median of {few['experiments'].max():.0f}, one seed"
-        axes.plot(few["guesses"], 100.0 * few["total"], label=label, color="0.35", marker="s", ms=3.0, lw=0.8)
         for method in ("least-squares", "bounded"):
             level = 100.0 * own[MEDIAN, method]["total"].iloc[0]
             axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
@@ -276,18 +273,15 @@ def medians(means: pd.DataFrame) -> pd.DataFrame:
 @_figure("Similarity by the number of guesses", draw_guesses)
 def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
-    that the printed numbers do not rule out (thin lines) and their median; the median with one seed of those with the
-    largest number; levels of least squares over the same experiments, and the published level of Algorithm 1.
+    that the printed numbers do not rule out (thin lines) and their median; levels of least squares over the same
+    experiments, and the published level of Algorithm 1.
     """
     scores = _scores(inputs)
     scores = scores[~scores["method"].str.startswith(f"{SEARCHED}+")]
-    few = scores[(scores["method"] == SEARCHED) & (scores["guesses"] == scores["guesses"].max())]
-    first = scores[scores["experiment"].isin(few["experiment"]) & scores["seed"].isin(few["seed"])]
-    each, longest = (_means(by_experiment(of)) for of in (scores, first[first["method"] == SEARCHED]))
+    each = _means(by_experiment(scores))
     on_id = float(np.mean([_published("algorithm1", "ID", joint) for joint in (1, 2)]))
     printed = pd.DataFrame({"case": ["ID", MEAN], "total": [on_id, _published("algorithm1", MEAN, 0)]})
-    frames = [medians(each), medians(longest).query("of == @MEDIAN").assign(of=OF_FEW)]
-    return pd.concat([*frames, printed.assign(method="published", guesses=0, of=MEDIAN)], ignore_index=True)
+    return pd.concat([medians(each), printed.assign(method="published", guesses=0, of=MEDIAN)], ignore_index=True)
 
 
 def _means(totals: pd.DataFrame) -> pd.DataFrame:

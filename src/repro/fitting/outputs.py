@@ -104,7 +104,7 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
             if poor := unusable(result.best):
                 links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))
             for name, export in ((URDF_FILE, urdf), (MJCF_FILE, mjcf)):
-                notes = [line for line in text.export_lines(result) if name in line.partition(" without ")[0]]
+                notes = [line for line in text.export_lines(result) if name in line.partition(" omit")[0]]
                 write_text(folder / name, export(replace(links, notes=(*links.notes, *notes)), result.arm))
             return
     write_text(folder / "no-links.txt", f"No URDF or MJCF. {reason}\n")

@@ -227,8 +227,8 @@ def export_lines(result: Result) -> tuple[str, ...]:
     for name, scores in result.exports.items():
         errors = ", ".join(_errors("", score) for score in scores)
         left_out = ", ".join(f"{NAMES_OF_TERMS[x[:-1]]} of joint {x[-1]}" for x in result.left_out_of(name))
-        lines.setdefault(f"without {left_out}: torque error {errors} %", []).append(name)
-    return tuple(f"{', '.join(names)} {line}" for line, names in lines.items())
+        lines.setdefault(f"{left_out}: torque error {errors} %", []).append(name)
+    return tuple(f"{' and '.join(names)} omit{'s' * (len(names) == 1)} {line}" for line, names in lines.items())
 
 
 def detection_limits(result: Result) -> tuple[str, ...]:

@@ -264,8 +264,8 @@ def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
         raise InputError.at(f"{path}: method", found, f"rows of {method}")
     row = asked.iloc[0]
     over = f"over {row['experiments']} simulated experiments that the printed numbers do not rule out"
-    over += f", one search each, Algorithm 1 as listed is {_compared(row)} on {SPAN}"
-    words = f"{_WORDS[row['conclusion']]}: {over}."
+    over += ", one search each (spread.inner_limit guesses in an execution)"
+    words = f"{_WORDS[row['conclusion']]}: {over}, Algorithm 1 as listed is {_compared(row)} on {SPAN}."
     titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
     return words, table.assign(**titles).to_dict("records")
 
