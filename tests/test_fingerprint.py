@@ -39,7 +39,9 @@ def test_hosts_that_train_in_another_arithmetic_differ_in_a_probe_of_networks(mo
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         found.append(json.loads(done.stdout))
     (limited, probes), (precision, own) = found
-    assert (limited == precision) or differing(probes, own)
+    if limited == precision:
+        pytest.skip("this processor does not multiply bfloat16")
+    assert differing(probes, own) == ["torch native bfloat16"]
 
 
 def test_a_host_that_computes_the_same_is_inside_the_contract():

@@ -66,7 +66,8 @@ def network_fingerprint() -> dict[str, str]:
     half = rows.bfloat16()
     # What `precision: auto` follows: an emulated product has the same bytes, but networks are then trained in float32.
     able = [name for name in ("avx512_bf16", "amx_bf16", "bf16") if torch.cpu.get_capabilities().get(name)]
-    native = [*able, torch.ops.mkldnn._is_mkldnn_bf16_supported()]
+    has_onednn = torch.backends.mkldnn.is_available()  # type: ignore[no-untyped-call]
+    native = [*able, has_onednn and torch.ops.mkldnn._is_mkldnn_bf16_supported()]
     return {
         f"{OF_NETWORKS} native bfloat16": _digest(json.dumps(native).encode()),
         f"{OF_NETWORKS} randn": _digest(x.numpy()),

@@ -144,7 +144,7 @@ def compare(
     frame: pd.DataFrame,
     titles: Mapping[str, str],
     spectra: bool = False,
-    by_row: bool = False,  # whether each row has a view of its own
+    by_row: bool = False,  # whether the axes end where each row does
     legend_title: str | None = None,
     figure: FigureBase | None = None,
 ) -> Figure:
