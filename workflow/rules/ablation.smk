@@ -5,6 +5,12 @@ rule ablation_train:
     output:
         weights=f"{RESULTS}/ablation/{{trained}}.safetensors",
         history=f"{RESULTS}/ablation/{{trained}}.csv",
+    log:
+        f"{LOGS}/ablation_train-{{trained}}.log",
+    benchmark:
+        f"{BENCHMARKS}/ablation_train-{{trained}}.tsv"
+    conda:
+        ENVIRONMENT
     resources:
         mem_mb=3000,
         runtime=90,
@@ -24,6 +30,12 @@ rule ablation_run:
         captures=captures(PROGRAMS),
     output:
         f"{RESULTS}/ablation/readings/{{reading}}.json",
+    log:
+        f"{LOGS}/ablation_run-{{reading}}.log",
+    benchmark:
+        f"{BENCHMARKS}/ablation_run-{{reading}}.tsv"
+    conda:
+        ENVIRONMENT
     resources:
         runtime=30,
     params:

@@ -3,6 +3,12 @@
 rule match_start:
     output:
         f"{RESULTS}/matching/{{hypothesis}}-{{start}}.json",
+    log:
+        f"{LOGS}/match_start-{{hypothesis}}-{{start}}.log",
+    benchmark:
+        f"{BENCHMARKS}/match_start-{{hypothesis}}-{{start}}.tsv"
+    conda:
+        ENVIRONMENT
     resources:
         runtime=30,
     params:
@@ -25,6 +31,12 @@ rule match:
         starts=f"{RESULTS}/matching/starts.csv",
         experiments=f"{RESULTS}/matching/accepted.csv",
         misfits=f"{RESULTS}/matching/misfits.csv",
+    log:
+        f"{LOGS}/match.log",
+    benchmark:
+        f"{BENCHMARKS}/match.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.matching.search:collect"),
         config=sections(*ARM_SECTIONS),
@@ -39,7 +51,13 @@ rule simulate_accepted:
         experiments=EXPERIMENTS,
     output:
         out=f"{RESULTS}/accepted/recordings.safetensors",
+    log:
+        f"{LOGS}/simulate_accepted.log",
+    benchmark:
+        f"{BENCHMARKS}/simulate_accepted.tsv"
     priority: LONG
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.experiments.accepted:simulate_accepted"),
         config=sections(*ARM_SECTIONS),
@@ -56,7 +74,13 @@ rule score_spread:
         mean_torque=MEAN_TORQUE,
     output:
         f"{RESULTS}/accepted/methods.csv",
+    log:
+        f"{LOGS}/score_spread.log",
+    benchmark:
+        f"{BENCHMARKS}/score_spread.tsv"
     priority: LONG
+    conda:
+        ENVIRONMENT
     resources:
         runtime=30,
     params:
@@ -75,7 +99,13 @@ rule search_accepted:
         weights=accepted_weights,
     output:
         f"{RESULTS}/accepted/experiment-{{number}}.csv",
+    log:
+        f"{LOGS}/search_accepted-{{number}}.log",
+    benchmark:
+        f"{BENCHMARKS}/search_accepted-{{number}}.tsv"
     priority: LONG
+    conda:
+        ENVIRONMENT
     resources:
         runtime=120,
     params:

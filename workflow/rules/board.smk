@@ -5,6 +5,12 @@ rule synthesise_board:
         sorted(map(str, (HERE.parent / "rtl").glob("*.py"))),
     output:
         f"{RESULTS}/board/size.csv",
+    log:
+        f"{LOGS}/synthesise_board.log",
+    benchmark:
+        f"{BENCHMARKS}/synthesise_board.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.board.logic:board_size"),
     message:

@@ -11,6 +11,12 @@ rule claims:
         ),
         f"{RESULTS}/claims.md",
         f"{RESULTS}/claims.sha256",
+    log:
+        f"{LOGS}/claims.log",
+    benchmark:
+        f"{BENCHMARKS}/claims.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.paper.ledger:write_ledger"),
         results=Path(RESULTS),
@@ -28,6 +34,12 @@ rule verify:
         ledger=LEDGER,
     output:
         f"{RESULTS}/verified.txt",
+    log:
+        f"{LOGS}/verify.log",
+    benchmark:
+        f"{BENCHMARKS}/verify.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.paper.ledger:verified"),
         results=Path(RESULTS),

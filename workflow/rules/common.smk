@@ -12,6 +12,9 @@ CODE = CodeDigests()
 
 # Calls the function that is a job's first parameter, with the inputs, outputs, parameters and wildcards that it names.
 CALL = "../scripts/call.py"
+# Packages of every job. For the record: jobs run in the environment of Snakemake, and Snakefile refuses conda.
+ENVIRONMENT = "../../envs/repro.yaml"
+LOGS, BENCHMARKS = f"{RESULTS}/logs", f"{RESULTS}/benchmarks"
 # Files that several rules name.
 MEAN_TORQUE = f"{RESULTS}/data/mean_torque.csv"
 TRACKED_MOTIONS = f"{RESULTS}/data/tracked.safetensors"
@@ -234,13 +237,3 @@ LEDGER_SECTIONS = {
     **sections(*ARM_SECTIONS, "metric", "data", "networks", "algorithm1", "numeric"),
     **stated(SETTINGS, "training"),
 }
-
-
-# What precedes a wildcard in the name of a log or benchmark, where that is no hyphen; a suffix has its own.
-SEPARATOR_OF_WILDCARD = {"suffix": "", "seed": "-seed", "search": "-search"}
-
-
-def file_stem(rule):
-    """Name of a rule's log and benchmark: its own with the wildcards of its output."""
-    wildcards = dict.fromkeys(re.findall(r"\{(\w+)", str(rule.output[0])))
-    return "".join([rule.name, *(f"{SEPARATOR_OF_WILDCARD.get(each, '-')}{{{each}}}" for each in wildcards)])

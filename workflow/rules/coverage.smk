@@ -9,7 +9,13 @@ rule check_coverage:
         coverage=f"{RESULTS}/coverage/coverage.csv",
         ranks=f"{RESULTS}/coverage/ranks.csv",
         intervals=f"{RESULTS}/coverage/intervals.csv",
+    log:
+        f"{LOGS}/check_coverage.log",
+    benchmark:
+        f"{BENCHMARKS}/check_coverage.tsv"
     priority: LONG
+    conda:
+        ENVIRONMENT
     resources:
         runtime=30,
     params:

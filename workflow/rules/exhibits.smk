@@ -88,6 +88,12 @@ for (module, *sources), exhibits in EXHIBITS_OF_JOB.items():
             **{key: files for source in sources for key, files in SOURCES[source].items()},
         output:
             **{f"{one.target}_{kind}": file for one in exhibits for kind, file in files_of(one).items()},
+        log:
+            f"{LOGS}/{drawing}.log",
+        benchmark:
+            f"{BENCHMARKS}/{drawing}.tsv"
+        conda:
+            ENVIRONMENT
         params:
             *call("repro.exhibits.declare:make_exhibits", *(one.definition for one in exhibits)),
             exhibits=[one.definition for one in exhibits],

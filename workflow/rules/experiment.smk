@@ -13,9 +13,15 @@ rule acquire:
         out=f"{RESULTS}/experiment/{{motion}}.bin",
         program=f"{RESULTS}/experiment/{{motion}}.program",
         sidecar=f"{RESULTS}/experiment/{{motion}}.json",
+    log:
+        f"{LOGS}/acquire-{{motion}}.log",
+    benchmark:
+        f"{BENCHMARKS}/acquire-{{motion}}.tsv"
     priority: AWAITED
     # A port hangs on the computer where the run is started.
     localrule: True
+    conda:
+        ENVIRONMENT
     resources:
         serial_port=int(SERIAL),
     params:
@@ -38,7 +44,13 @@ rule identify_experiment:
             seed=SETTINGS.experiment.search_seeds,
             allow_missing=True,
         ),
+    log:
+        f"{LOGS}/identify_experiment{{suffix}}.log",
+    benchmark:
+        f"{BENCHMARKS}/identify_experiment{{suffix}}.tsv"
     priority: LONG
+    conda:
+        ENVIRONMENT
     resources:
         runtime=30,
     params:
@@ -57,6 +69,12 @@ rule identify_least_squares:
         captures=captures(["ID"]),
     output:
         f"{RESULTS}/identification/experiment-least-squares.json",
+    log:
+        f"{LOGS}/identify_least_squares.log",
+    benchmark:
+        f"{BENCHMARKS}/identify_least_squares.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.experiments.identifications:identify_least_squares"),
         config=sections(*ARM_SECTIONS),
@@ -73,6 +91,12 @@ rule score_experiment:
         identifications=lambda wildcards: experiment_identifications(wildcards.suffix),
     output:
         f"{RESULTS}/validation/experiment{{suffix}}.csv",
+    log:
+        f"{LOGS}/score_experiment{{suffix}}.log",
+    benchmark:
+        f"{BENCHMARKS}/score_experiment{{suffix}}.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.experiments.identifications:score_experiment"),
         config=sections(*ARM_SECTIONS, "metric"),

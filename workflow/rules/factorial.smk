@@ -9,7 +9,13 @@ rule train_factorial:
         motions=factorial_motions,
     output:
         weights=f"{RESULTS}/factorial/{{cell}}-seed{{seed}}.safetensors",
+    log:
+        f"{LOGS}/train_factorial-{{cell}}-seed{{seed}}.log",
+    benchmark:
+        f"{BENCHMARKS}/train_factorial-{{cell}}-seed{{seed}}.tsv"
     priority: TRAINING
+    conda:
+        ENVIRONMENT
     resources:
         mem_mb=3000,
         runtime=90,
@@ -31,6 +37,12 @@ rule score_factorial:
         mean_torque=MEAN_TORQUE,
     output:
         f"{RESULTS}/factorial/{{cell}}-seed{{seed}}-search{{search}}.csv",
+    log:
+        f"{LOGS}/score_factorial-{{cell}}-seed{{seed}}-search{{search}}.log",
+    benchmark:
+        f"{BENCHMARKS}/score_factorial-{{cell}}-seed{{seed}}-search{{search}}.tsv"
+    conda:
+        ENVIRONMENT
     resources:
         runtime=60,
     params:
@@ -47,6 +59,12 @@ rule score_factorial_references:
         **ACCEPTED,
     output:
         f"{RESULTS}/factorial/references.csv",
+    log:
+        f"{LOGS}/score_factorial_references.log",
+    benchmark:
+        f"{BENCHMARKS}/score_factorial_references.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro_studies.factorial:score_references"),
         config=FACTORIAL_SECTIONS,

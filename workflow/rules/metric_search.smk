@@ -8,6 +8,12 @@ rule search_metric:
         bounds=f"{RESULTS}/metric/bounds.csv",
         torque_bounds=f"{RESULTS}/metric/torque_bounds.csv",
         least_squares_torque=f"{RESULTS}/metric/least_squares_torque.csv",
+    log:
+        f"{LOGS}/search_metric.log",
+    benchmark:
+        f"{BENCHMARKS}/search_metric.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.paper.metric_search:search_metric"),
         config=sections("metric_search"),

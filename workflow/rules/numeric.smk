@@ -9,7 +9,13 @@ rule identify_numeric:
             seed=SETTINGS.numeric.seeds,
             allow_missing=True,
         ),
+    log:
+        f"{LOGS}/identify_numeric{{suffix}}.log",
+    benchmark:
+        f"{BENCHMARKS}/identify_numeric{{suffix}}.tsv"
     priority: LONG
+    conda:
+        ENVIRONMENT
     resources:
         runtime=30,
     params:
@@ -26,6 +32,12 @@ rule identify_numeric:
 rule identify_numeric_least_squares:
     output:
         f"{RESULTS}/identification/numeric-least-squares.json",
+    log:
+        f"{LOGS}/identify_numeric_least_squares.log",
+    benchmark:
+        f"{BENCHMARKS}/identify_numeric_least_squares.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.experiments.identifications:least_squares_of_arms"),
         config=sections("signals", "numeric"),
@@ -44,6 +56,12 @@ rule score_numeric:
         ],
     output:
         f"{RESULTS}/validation/numeric{{suffix}}.csv",
+    log:
+        f"{LOGS}/score_numeric{{suffix}}.log",
+    benchmark:
+        f"{BENCHMARKS}/score_numeric{{suffix}}.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.experiments.identifications:score_numeric"),
         config=sections("signals", "metric", "numeric"),

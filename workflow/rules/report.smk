@@ -13,6 +13,12 @@ rule report:
         templates=sorted(str(file) for file in TEMPLATES.glob("*.*") if file.suffix in (".html", ".css", ".js")),
     output:
         f"{RESULTS}/report/index.html",
+    log:
+        f"{LOGS}/report.log",
+    benchmark:
+        f"{BENCHMARKS}/report.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.report.page:make_report"),
         made_on_request(Path(RESULTS), Path(FIGURES), pages_of(TEMPLATES)),

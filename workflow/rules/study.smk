@@ -9,7 +9,13 @@ rule study_arms:
     output:
         choice=f"{RESULTS}/study/arms.safetensors",
         training=[f"{RESULTS}/study/{excitation}-{law}/training.safetensors" for excitation, law in trained(SETTINGS)],
+    log:
+        f"{LOGS}/study_arms.log",
+    benchmark:
+        f"{BENCHMARKS}/study_arms.tsv"
     priority: AWAITED
+    conda:
+        ENVIRONMENT
     resources:
         runtime=15,
     params:
@@ -26,7 +32,13 @@ rule study_train:
         training=f"{RESULTS}/study/{{excitation}}-{{law}}/training.safetensors",
     output:
         weights=f"{RESULTS}/study/{{excitation}}-{{law}}/{{network}}.safetensors",
+    log:
+        f"{LOGS}/study_train-{{excitation}}-{{law}}-{{network}}.log",
+    benchmark:
+        f"{BENCHMARKS}/study_train-{{excitation}}-{{law}}-{{network}}.tsv"
     priority: TRAINING
+    conda:
+        ENVIRONMENT
     resources:
         mem_mb=3000,
         runtime=90,
@@ -47,6 +59,12 @@ rule study_cells:
         weights=study_networks,
     output:
         f"{RESULTS}/study/cells/{{job}}.csv",
+    log:
+        f"{LOGS}/study_cells-{{job}}.log",
+    benchmark:
+        f"{BENCHMARKS}/study_cells-{{job}}.tsv"
+    conda:
+        ENVIRONMENT
     resources:
         mem_mb=4000,
         runtime=120,

@@ -11,7 +11,13 @@ rule train:
             caption="../report/training.rst",
         ),
         card=f"{RESULTS}/model/model-card{{suffix}}.md",
+    log:
+        f"{LOGS}/train{{suffix}}.log",
+    benchmark:
+        f"{BENCHMARKS}/train{{suffix}}.tsv"
     priority: TRAINING
+    conda:
+        ENVIRONMENT
     # One thread, the default: two threads of one network wait for each other, two networks side by side do not.
     resources:
         mem_mb=3000,

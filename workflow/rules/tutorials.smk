@@ -23,6 +23,12 @@ rule tutorial:
     output:
         page=f"{RESULTS}/tutorials/{{tutorial}}.md",
         figure=f"{RESULTS}/tutorials/{{tutorial}}-1.png",
+    log:
+        f"{LOGS}/tutorial-{{tutorial}}.log",
+    benchmark:
+        f"{BENCHMARKS}/tutorial-{{tutorial}}.tsv"
+    conda:
+        ENVIRONMENT
     params:
         *call("repro.report.tutorial:run_tutorial", *TUTORIAL_CODE),
         logs=os.environ.get("REPRO_REALDATA", "mine"),
