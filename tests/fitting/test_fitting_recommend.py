@@ -104,6 +104,24 @@ def test_a_short_log_is_warned_of():
         assert len(warnings(replace(problem, logs=(ready,)), (GOOD,), "a", TELLING)) == short
 
 
+@pytest.mark.parametrize(
+    ("over_rest", "unknown", "lines"), [(5.1, (0, 2), 0), (4.9, (0, 2), 1), (4.9, (1,), 0), (4.9, (3, 4), 0)]
+)
+def test_a_motion_too_slow_for_inertia_is_warned_of(over_rest, unknown, lines):
+    """Only if the intervals of two of I1 to I3 are wide, and the unexplained torque of a joint is the reason."""
+    problem = problem_of(exciting(50), delay=0.0)
+    r = problem.without_standstill
+    beta = np.array([p.estimate for p in GOOD.parameters])
+    inertia = r.y[..., :3] @ beta[:3]
+    rest = np.array([[1e-3], [np.sqrt(np.mean(inertia[1] ** 2)) / over_rest]]) * np.ones(r.t.size)
+    wide = [replace(p, low=-p.estimate, high=3.0 * p.estimate) if k in unknown else p for k, p in enumerate(KNOWN)]
+    found = warnings(
+        replace(problem, without_standstill=replace(r, tau=r.y @ beta + rest)),
+        (replace(GOOD, parameters=tuple(wide)),), "a", replace(TELLING, friction_correlation=(0.0, 0.0)),
+    )  # fmt: skip
+    assert sum("inertia" in line for line in found) == len(found) == lines
+
+
 @pytest.mark.parametrize(("share", "lines"), [(0.9, 0), (1.1, 1)])
 def test_a_prior_outside_the_interval_is_contradicted(share, lines):
     g1 = GOOD.parameters[3]

@@ -125,7 +125,7 @@ FILES = {
 
 _SHOWN = 1.25 * 96.0 / 200.0  # screen pixels per picture pixel: drawn at 200 dpi, shown at 1.25 times the printed size
 _SYMBOL = re.compile(r"\b([Igbk])([123])\b")  # a parameter's name in a text
-_FILE = re.compile(r"\w+\.\w")  # the name of a file at the beginning of a text
+_NAME = re.compile(r"\w+\.\w|(q|tau)\d\b")  # a file or a signal at the beginning of a text
 
 
 def render_page(
@@ -171,6 +171,6 @@ def symbols(text: str) -> Markup:
 
 
 def sentence(text: str) -> str:
-    """Begin a text with a capital, unless a name of a parameter or file comes first, and end it with a full stop."""
-    start = text if _SYMBOL.match(text) or _FILE.match(text) else text[:1].upper() + text[1:]
+    """Begin a text with a capital, unless a parameter, file or signal comes first, and end it with a full stop."""
+    start = text if _SYMBOL.match(text) or _NAME.match(text) else text[:1].upper() + text[1:]
     return start if not start or start[-1] in ".!?:" else f"{start}."

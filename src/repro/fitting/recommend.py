@@ -10,11 +10,11 @@ from repro.errors import option
 from repro.fitting.link_length import LinkLength
 from repro.fitting.prepare import delay_at_limit
 from repro.fitting.problem import IdentificationProblem
-from repro.fitting.result import HALVES, Excitation, MethodResult, Score
+from repro.fitting.result import HALVES, Excitation, MethodResult, Parameter, Score
 from repro.identification.filtering import MAX_EXPECTED_DELAY, MIN_SIGNAL_TO_NOISE
 from repro.identification.least_squares import METHODS
 from repro.identification.log import recorded_period
-from repro.identification.regression import solve
+from repro.identification.regression import Regression, solve
 from repro.identification.scores import driven, relative_rms
 
 
@@ -24,6 +24,7 @@ class Limits:
 
     max_condition: float = 100.0  # condition number of the regressor
     max_friction_correlation: float = 0.9  # correlation of viscous and Coulomb friction of a joint
+    min_inertia_over_rest: float = 5.0  # RMS torque of inertia over that left unexplained, at both joints
     max_autocorrelation: float = 0.5  # of the residual, one period of the cut-off apart
     max_fit_error: float = 0.25  # relative RMS torque error of the fit
     max_usable_error: float = 0.5  # relative RMS torque error, fit or prediction, of parameters that may be used
@@ -128,7 +129,7 @@ def warnings(
         *odd_delay(problem),
     )
     of_logs = (*undriven(problem, best), *disagreeing(problem, best), *_poor_scores(best))
-    return (*can_be_changed, *of_logs, *_poor_excitation(excitation, best), *_short(problem))
+    return (*can_be_changed, *of_logs, *_poor_excitation(excitation, problem, best), *_short(problem))
 
 
 def unusable(method: MethodResult) -> str:
@@ -193,19 +194,35 @@ def undriven(problem: IdentificationProblem, method: MethodResult) -> Iterator[s
             yield f"{found}: {reason}; its error is relative to the torques that should cancel"
 
 
-def _poor_excitation(excitation: Excitation, method: MethodResult) -> Iterator[str]:
+def _poor_excitation(excitation: Excitation, problem: IdentificationProblem, best: MethodResult) -> Iterator[str]:
     if excitation.rank < 9:
         yield f"the motion determines only {excitation.rank} combinations of the nine parameters: {EXCITE}"
     elif excitation.condition > LIMITS.max_condition:
         found = f"condition number {excitation.condition:.3g}"
         yield f"the motion hardly distinguishes the parameters ({found}): {EXCITE}"
+    elif len([p for p in best.parameters[:3] if p.low is not None and not _known(p)]) > 1:
+        yield from _weak_inertia(problem.without_standstill, best)
     for joint, correlation in enumerate(excitation.friction_correlation, start=1):
-        parameters = (method.parameters[4 + joint], method.parameters[6 + joint])
-        known = all(p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate) for p in parameters)
-        if abs(correlation) > LIMITS.max_friction_correlation and not known:
+        friction = (best.parameters[4 + joint], best.parameters[6 + joint])
+        if abs(correlation) > LIMITS.max_friction_correlation and not all(map(_known, friction)):
             found = f"viscous and Coulomb friction of joint {joint} are hard to distinguish"
             remedy = f"record slow and fast motion in one log, or give {option('method', 'parsimonious')}"
             yield f"{found} (correlation {correlation:.2f}): {remedy}"
+
+
+def _known(p: Parameter) -> bool:
+    """Whether half the interval is below half the estimate."""
+    return p.low is not None and p.high is not None and p.high - p.low < abs(p.estimate)
+
+
+def _weak_inertia(r: Regression, method: MethodResult) -> Iterator[str]:
+    """Compare the torque that inertia needs with the one that Eq. 1 leaves unexplained."""
+    beta = np.array([p.estimate for p in method.parameters])
+    inertia, rest = (np.sqrt(np.mean(x**2, axis=1)) for x in (r.y[..., :3] @ beta[:3], r.tau - r.y @ beta))
+    if (inertia < LIMITS.min_inertia_over_rest * rest).any():
+        needed, left = (" and ".join(f"{x:.2g}" for x in torques) for torques in (inertia, rest))
+        found = f"it needs {needed} N m RMS of joints 1 and 2, and Eq. 1 leaves {left} N m unexplained"
+        yield f"the motion is too slow to determine inertia ({found}): {EXCITE}"
 
 
 def _poor_scores(method: MethodResult) -> Iterator[str]:
