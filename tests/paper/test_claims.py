@@ -164,9 +164,9 @@ def test_what_is_asserted_follows_the_rule(claims):
     assert set(claims.loc[claims["kind"] == "deterministic", "verdict"]) == {"reproduced"}
     for name, row in claims.iterrows():
         by_kind = kinds[name.partition("@")[0]] in ("setting", "exact", "deterministic") and compared[name]
-        expected = "reproduced" if (by_kind and name not in LITERAL) or name in ASSERTED else ""
+        expected = "reproduced" if by_kind and name not in LITERAL else ASSERTED.get(name, "")
         assert row["asserted"] == ("differs" if name == CENTRAL else expected), name
-        assert row["must"] == (row["asserted"] == "reproduced")
+        assert row["must"] == (row["asserted"] in ("reproduced", "reproduced or inconclusive"))
     cells = ["table08/ID/total/joint1", "table10/T3/least-squares/time/joint2"]
     assert claims.loc[cells, "basis"].tolist() == ["by construction", "by construction"]
     # Algorithm 1 itself, on the paper's arms and on the simulated one.
@@ -233,6 +233,19 @@ def test_statements_about_all_cases_use_the_worst_the_best_or_the_mean(altered):
     for name in ("abstract/numeric/total", "section6/numeric/total"):
         assert altered.loc[name, ["ours", "verdict", "basis"]].tolist() == [pytest.approx(94.0), "differs", "numeric"]
     assert set(broken(altered.reset_index())["id"]) == set(ASSERTED)
+
+
+@pytest.mark.parametrize(("level", "lost"), [(0.985, set()), (0.92, {"abstract/numeric/total"})])
+def test_runs_that_scatter_break_the_claim_of_the_numeric_tests_only_below_it(stored, level, lost):
+    """Five runs whose standard deviation is 0.8 points call nothing reproduced: no fault of the host that made them."""
+    results = Results(stored)
+    alter(results, "tables/table06.csv", "total", level, method="algorithm1")
+    scores = results.frames["validation/numeric.csv"]
+    seeds = scores["seed"].astype(int).map(dict(zip(range(1, 6), (-0.010, -0.004, 0.0, 0.005, 0.009), strict=True)))
+    scores.loc[scores["method"] == "algorithm1", "total"] = (level + seeds).astype(str)
+    rows = ledger(results)
+    assert rows.loc["abstract/numeric/total", "verdict"] == ("differs" if lost else "inconclusive")
+    assert set(broken(rows.reset_index())["id"]) == lost
 
 
 def test_a_result_that_scatters_is_inconclusive(altered):

@@ -14,6 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from scipy import stats
 
@@ -34,6 +35,8 @@ VERDICTS = {
     NOT_RUN: "a setting of the paper that the default run does not use",
     HARDWARE: "only a measurement on the real arm or board could decide",
 }
+#: What may be asserted of a number. Where it depends on chance, five runs may scatter too widely to call it reproduced.
+ASSERTIONS = (REPRODUCED, DIFFERS, NOT_REFUTED := f"{REPRODUCED} or {INCONCLUSIVE}")
 #: Published kind of the numbers that the authors chose and a reproduction adopts.
 SETTING = "setting"
 
@@ -81,7 +84,7 @@ class OurValue:
     strict: bool = False  # no tolerance: a setting can be adopted as printed, a limit can be met
     unused: bool = False  # a setting that the default run does not use
     literal: bool = False  # written in the comparison itself, so that a match asserts nothing
-    asserted: str = ""  # verdict that the project asserts; a better number satisfies "reproduced"
+    asserted: str = ""  # one of `ASSERTIONS`; a better number satisfies "reproduced"
     contradicts: str = ""  # why the paper contradicts itself here
     contradiction: float = math.inf  # by how much, in the published unit
     cause: str = ""  # why a number differs, where it does
@@ -145,7 +148,7 @@ def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ())
         "kind": printed.kind, "basis": str(basis), "published": printed.printed,
         "ours": ours.value, "difference": ours.value - printed.value,
         "tolerance": tolerance, "tolerance_from": tolerance_from, "verdict": verdict,
-        "must": ours.asserted == REPRODUCED, "asserted": ours.asserted,
+        "must": ours.asserted in (REPRODUCED, NOT_REFUTED), "asserted": ours.asserted,
         "cause": ours.cause if verdict == DIFFERS else "", "target": ours.target,
         "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
     }  # fmt: skip
@@ -184,9 +187,10 @@ def judge_all(numbers: Iterable[PublishedValue], ours: Mapping[str, OurValue]) -
 
 def broken(claims: pd.DataFrame) -> pd.DataFrame:
     """Claims whose verdict is not the asserted one; better than reproduced satisfies too."""
-    asserted, verdict = claims["asserted"], claims["verdict"]
-    satisfied = (asserted == verdict) | ((asserted == REPRODUCED) & (verdict == BETTER))
-    return claims[(asserted != "") & ~satisfied]
+    asserted = claims["asserted"].str.split(" or ")
+    verdict = claims["verdict"].replace(BETTER, REPRODUCED)
+    satisfied = [one in accepted for one, accepted in zip(verdict, asserted, strict=True)]
+    return claims[(claims["asserted"] != "") & ~np.array(satisfied, bool)]
 
 
 def specificity(claims: pd.DataFrame, numbers: Iterable[PublishedValue]) -> pd.DataFrame:

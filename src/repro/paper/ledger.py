@@ -20,6 +20,7 @@ from repro.paper.audit import findings
 from repro.paper.claims import (
     EXTENSION,
     LEFT_OUT,
+    NOT_REFUTED,
     REPRODUCED,
     SETTING,
     broken,
@@ -42,9 +43,9 @@ _WHOLE = "# every file in "
 
 #: Kinds of number that are asserted wherever we have a value.
 ASSERTED_KINDS = (SETTING, "exact", "deterministic")
-#: Asserted of the numeric tests: the listed algorithm and our refinement of it reach the abstract's mean. The central
-#: claim about the arm is asserted where it is computed, in the sense that it is not reproduced.
-ASSERTED = ("abstract/numeric/total", f"abstract/numeric/total{REFINED.suffix}")
+#: Asserted of the numeric tests: the listed algorithm is not below the abstract's mean, and our refinement reaches it.
+#: The central claim about the arm is asserted where it is computed, in the sense that it is not reproduced.
+ASSERTED = {"abstract/numeric/total": NOT_REFUTED, f"abstract/numeric/total{REFINED.suffix}": REPRODUCED}
 #: Numbers that findings of another name refute.
 _REFUTED = {"appendix/sine": "appendix/domain"}
 
@@ -78,8 +79,8 @@ def _audited(published: Published, ours: Values, audit: Sequence[Finding]) -> Va
         if number.kind in ASSERTED_KINDS and compared:
             value = replace(value, asserted=REPRODUCED)
         audited[number.id] = value
-    for name in ASSERTED:
-        audited[name] = replace(audited[name], asserted=REPRODUCED)
+    for name, verdict in ASSERTED.items():
+        audited[name] = replace(audited[name], asserted=verdict)
     return audited
 
 
