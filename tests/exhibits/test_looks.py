@@ -62,6 +62,8 @@ def test_rows_of_the_map_are_those_of_their_labels():
             prior, motion = labels[int(row)].split(", ")
             level = float(panel.get_xticklabels()[int(column)].get_text()) / 100.0
             expected = values[(*pair, prior, {"Eq. 10": "eq10", "D-optimal": "optimal"}[motion], level)]
-            assert text.get_text() == f"{100.0 * expected:.1f}\n1/1"
+            assert text.get_text() == f"{100.0 * expected:.1f}"
+    (first, *_) = made("study", frame.assign(sure=0)).axes[2].texts
+    assert re.fullmatch(r"\(-?\d+\.\d\)", first.get_text())
     without_networks = made("study", whole[whole["method"] == "posterior"]).axes[:3]
     assert [len(panel.texts) for panel in without_networks] == [0, 0, 8]

@@ -197,7 +197,7 @@ def draw_spread(frame: pd.DataFrame) -> Figure:
 @_figure("Similarity over the accepted experiments", draw_spread, inputs=("spread",))
 def spread_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity on every experiment that the printed numbers do not rule out, by motion, joint and method; the
-    bars are the medians. The metric ends at 0, however large the error is.
+    bars are the medians. The metric ends at 0, where the error is as large as the torque.
     """
     drawn = read_csv(inputs["scores"][0], SPREAD).query("method in @DRAWN")[list(SPREAD)]
     return drawn.assign(median=drawn.groupby(["case", "joint", "method"])["total"].transform("median"))

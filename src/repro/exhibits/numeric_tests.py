@@ -163,7 +163,7 @@ def table05(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 @_similarity_table("Similarity on the identification trajectory", "Numeric results", "from the identified parameters")
 def table06(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Similarity of the numeric torques and their rebuilding on the identification trajectory: the median of the seeds
-    in each cell and the spread over the seeds. The refinement is an extension of ours; selection alone is its control.
+    in each cell and the spread over the seeds. The refinement is an extension of ours.
     """
     return median_cells(read_scores(inputs["scores"]).query("trajectory == 'ID'"))
 
@@ -173,7 +173,7 @@ def table06(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 )
 def table07(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Similarity on the random validation trajectory: the median of the seeds in each cell and the spread over the
-    seeds. The refinement is an extension of ours; selection alone is its control.
+    seeds. The refinement is an extension of ours.
     """
     return median_cells(read_scores(inputs["scores"]).query("trajectory == 'validation'"))
 

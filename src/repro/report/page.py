@@ -17,7 +17,7 @@ from markupsafe import Markup
 from repro.config.model import Configuration
 from repro.drawing.embed import Picture, environment, link, picture, policy, read_bytes
 from repro.drawing.markup import SUPERSCRIPTS, TIMES, Table, Text, plain, unit
-from repro.drawing.style import title_of
+from repro.drawing.style import MEANINGS, title_of
 from repro.errors import InputError
 from repro.exhibits import declare
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
@@ -26,6 +26,7 @@ from repro.exhibits.result_tables import similarities
 from repro.experiments import monte_carlo
 from repro.files import read_csv, read_rows, write_text
 from repro.paper.claims import (
+    ASSERTIONS,
     BETTER,
     DIFFERS,
     EXTENSION,
@@ -183,7 +184,7 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
     """
     rows = read_rows(path, COLUMNS)
     bases = tuple(str(basis) for basis in Basis)
-    allowed = {"basis": bases, "asserted": ("", *VERDICTS), "cause": ("", *causes())}
+    allowed = {"basis": bases, "asserted": ("", *ASSERTIONS), "cause": ("", *causes())}
     seen: set[str] = set()
     for number, row in enumerate(rows, start=1):
         place = f"{path}: row {number}"
@@ -264,7 +265,7 @@ def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
         raise InputError.at(f"{path}: method", found, f"rows of {method}")
     row = asked.iloc[0]
     over = f"over {row['experiments']} simulated experiments that the printed numbers do not rule out"
-    over += ", one search each (README compares more searches)"
+    over += ", one short search each (README has longer ones)"
     words = f"{_WORDS[row['conclusion']]}: {over}, Algorithm 1 as listed is {_compared(row)} on {SPAN}."
     titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
     return words, table.assign(**titles).to_dict("records")
@@ -335,6 +336,7 @@ def build_report(inputs: ReportInputs) -> str:
         claims_link=link(ledger_file, inputs.page),
         counts=counts[counts.any(axis=1)],
         meanings=VERDICTS,
+        methods=[(title_of(name), meaning) for name, meaning in MEANINGS.items()],
         decided=counts.groupby(lambda verdict: verdict if verdict in _DECIDED else "open").sum(),
         asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),

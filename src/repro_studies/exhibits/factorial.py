@@ -86,7 +86,7 @@ def draw_effects(frame: pd.DataFrame) -> Figure:
     rows = rows.assign(label=rows["effect"].map(_words))
     order = rows[rows["response"] == "validation"].sort_values("value", key=abs, ascending=False)
     names = list(dict.fromkeys(order["label"]))
-    drawn, panels = style.new_panels(style.PAGE, 0.9 + 0.17 * len(names), 1, 2, sharey=True)
+    drawn, panels = style.new_panels(style.PAGE, 0.9 + 0.17 * len(names), 1, 2, sharex=True, sharey=True)
     for axes, (response, title) in zip(panels, RESPONSES.items(), strict=True):
         own = rows[rows["response"] == response]
         at = own["label"].map(names.index).to_numpy()
@@ -94,7 +94,7 @@ def draw_effects(frame: pd.DataFrame) -> Figure:
         axes.plot(100.0 * own["value"], at, ls="none", marker="o", ms=3.5, color=style.INK)
         axes.axvline(0.0, color="0.6", lw=0.6)
         axes.margins(x=0.05)  # no interval may seem cut
-        axes.set(title=title, xlabel="Effect (percentage points)")
+        axes.set(title=title, xlabel="Effect (points of similarity)")
         axes.grid(visible=False, axis="y")
     panels[0].set_yticks(range(len(names)), labels=names)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
@@ -140,6 +140,7 @@ def factorial_cells(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 @_factorial_figure("Effects of the causes", draw_effects)
 def factorial_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Effects of four causes on the similarity that Algorithm 1 reaches on the accepted experiments, with 95 %
-    intervals over experiments and training seeds.
+    intervals over experiments and training seeds: each is averaged over the levels of the others. A product is how much
+    one changes the effect of the other. Plain network: instead of the image and its CNN.
     """
     return effects(_factorial(inputs))

@@ -47,7 +47,7 @@ _LOOKS = {
     "generalised": "bounded",
     "generalised+prior": "consistent",
 }
-_MOTIONS = {"eq10": "Eq. 10", "slow": "Eq. 10, half pace", "random": "random", "optimal": "D-optimal"}
+_MOTIONS = {"eq10": "Eq. 10", "slow": "Eq. 10, slow", "random": "random", "optimal": "D-optimal"}
 #: Pairs of the map, and where its colours end, points.
 _SHOWN = ((ALGORITHM1, "ordinary"), (TRACKED, "consistent"), (POSTERIOR, "consistent"))
 _LIMIT, _DARK = 100.0, 15.0
@@ -168,18 +168,20 @@ def draw_map(frame: pd.DataFrame) -> Figure:
             .to_numpy(dtype=np.float64)
             for name in ("mean", "sure", "of")
         )
+        is_sure = sure == of
         image = axes.imshow(100.0 * mean, cmap="PuOr", norm=SymLogNorm(1.0, vmin=-_LIMIT, vmax=_LIMIT), aspect="auto")
         for (i, j), value in np.ndenumerate(100.0 * mean):
             if np.isfinite(value):
                 colour = "white" if abs(value) > _DARK else "black"
-                text = f"{value:z.1f}\n{sure[i, j]:.0f}/{of[i, j]:.0f}"
-                axes.text(j, i, text, ha="center", va="center", color=colour, linespacing=1.0)
+                text = f"{value:z.1f}" if is_sure[i, j] else f"({value:z.1f})"
+                axes.text(j, i, text, ha="center", va="center", color=colour)
         axes.set_xticks(range(len(levels)), labels=[f"{100 * level:g}" for level in levels])
         axes.set_yticks(range(len(order)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
         axes.set_facecolor("0.85")
     figure.supxlabel("Grey: not run. Similarity of least squares on Eq. 10 (%)", fontsize=style.TEXT_SIZE)
+    figure.supylabel("Condition (prior, motion that is identified from)", fontsize=style.TEXT_SIZE)
     ticks = [sign * 10.0**power for sign in (-1, 1) for power in range(3)]
     label = f"Points on T1 to T4 ({style.SIMULATED.lower()})"
     figure.colorbar(image, ax=panels, label=label, ticks=[*ticks, 0.0], format="%g")
@@ -190,8 +192,8 @@ def draw_map(frame: pd.DataFrame) -> Figure:
 def study_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
     discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
-    better. Below each number: in how many of these conditions the interval excludes zero. The CSV has each condition
-    with its interval, and the numbers of its square (mean, sure, of).
+    better. In brackets: in some of these conditions the interval contains zero. Slow is Eq. 10 at half its pace. The
+    CSV has each condition with its interval, and the numbers of its square (mean, sure, of).
     """
     return analysis.maps(_outcomes(inputs))
 
