@@ -305,11 +305,13 @@ def report(compared: Sequence[Compared], alone: Sequence[Sequence[str]], toleran
 
 
 def _counts(found: Sequence[Difference]) -> str:
-    beyond, unknown = sum(d.broken for d in found), sum(not d.judged for d in found)
     if not found:
         return "no cell differs"
-    within = len(found) - beyond - unknown
-    return f"cells that differ: {within} as much as is allowed or less, {beyond} more, {unknown} not judged"
+    trained, unknown = sum(d.broken and d.kind is Kind.TRAINED for d in found), sum(not d.judged for d in found)
+    faults = sum(d.broken for d in found) - trained
+    within = len(found) - faults - trained - unknown
+    beyond = f"beyond them {trained} that depend on a network and {faults} that do not (faults)"
+    return f"cells that differ: {within} within the limits, {beyond}, {unknown} not judged"
 
 
 def _describe(d: Difference) -> str:
