@@ -32,7 +32,7 @@ def refresh_gallery() -> None:
     for figure in sorted(Path("paper_figures").glob("*.png")):
         with Image.open(figure) as picture:
             height = round(picture.height * WIDTH / picture.width)
-            small = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS).quantize(256)
+            small = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS).quantize(256, kmeans=2)
             small.save(GALLERY / figure.name, optimize=True)
 
 

@@ -40,8 +40,8 @@ rule study_train:
     conda:
         ENVIRONMENT
     resources:
-        mem_mb=3000,
-        runtime=90,
+        mem_mb=2000,
+        runtime=60,
     params:
         *call("repro_studies.methods:train_reader"),
         checkpoint=f"{RESULTS}/study/{{excitation}}-{{law}}/.{{network}}.checkpoint.safetensors",
@@ -66,7 +66,7 @@ rule study_cells:
     conda:
         ENVIRONMENT
     resources:
-        mem_mb=4000,
+        mem_mb=2000,
         runtime=120,
     params:
         *call("repro_studies.methods:run_job"),

@@ -103,7 +103,7 @@ METHODS: Final = {
         "Algorithm 1, trained as printed", "#999933", _DASH_DOT, 1.1, "H", 3.4
     ),
     "least-squares": Appearance("Least squares", "#d1490a", _DASHED, 1.1, "x", 3.4),
-    "bounded": Appearance("Nonnegative least squares", "#e7a03c", _DASHED, 1.1, "<", 3.4),
+    "bounded": Appearance("Nonnegative least squares", "#e7a03c", (8.0, 2.0), 1.1, "<", 3.4),
     "consistent": Appearance("Consistent least squares", "#7a2a00", (1.5, 1.0), 1.1, ">", 3.4),
     "true": Appearance("True parameters", "0.0", (1.0, 2.0), 1.1, "+", 4.0),
     "appendix": Appearance("True, without back-EMF", "0.45", (1.0, 2.0), 1.1, "1", 4.0),

@@ -108,6 +108,7 @@ def why_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 @_why_figure("Motions of the training and of line 18, crossed", draw_why)
 def why_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Algorithm 1 on the simulated arm with two factors crossed: the motions that the network is trained on, and the
-    motion on which line 18 takes f of the image.
+    motion on which line 18 computes f, the torque of a guess. A mark is a seed of guesses, a line joins their means;
+    each training has one network.
     """
     return crossed(read_scores(inputs["scores"], SCORES))

@@ -176,20 +176,27 @@ def _plot_runs(axes: Axes, runs: pd.DataFrame, methods: list[str]) -> None:
         colour, chosen = style.STROKES[method]["color"], runs[runs["method"] == method].sort_values("experiment")
         totals = 100.0 * chosen["total"].to_numpy()
         offsets = np.linspace(-0.25, 0.25, totals.size) if totals.size > 1 else np.zeros(totals.size)
-        marks = {"ls": "none", "color": colour, "alpha": 0.75, **style.MARKS[method], "markersize": 2.6}
+        marks = {"ls": "none", "color": colour, "alpha": 0.75, **style.MARKS[method], "markersize": 3.0}
         axes.plot(place + offsets, totals, label=style.SERIES_LABELS[method], **marks)
         if totals.size:
             axes.hlines(100.0 * float(chosen["median"].iloc[0]), place - 0.45, place + 0.45, color=colour, lw=1.8)
 
 
+#: The scale of similarities is logarithmic in the distance from here (%).
+_END = 105.0
+
+
 def draw_spread(frame: pd.DataFrame) -> Figure:
-    """Total similarity of every experiment, by motion, joint and method."""
+    """Total similarity of every experiment, by motion, joint and method; the scale is stretched towards 100 %."""
+    stretched = (lambda y: -np.log(_END - y), lambda z: _END - np.exp(-z))
     methods = [name for name in style.METHODS if name in set(frame["method"])]
     figure, grid = style.new_panels(style.PAGE, 4.2, 2, len(PROGRAMS), sharex=True, sharey=True)
     for row, joint in zip(grid, (1, 2), strict=True):
         for axes, case in zip(row, PROGRAMS, strict=True):
             _plot_runs(axes, frame[(frame["case"] == case) & (frame["joint"] == joint)], methods)
             axes.set(title=f"{case}, joint {joint}", xlim=(-0.6, len(methods) - 0.4), xticks=[])
+            axes.set_yscale("function", functions=stretched)
+            axes.set(ylim=(-2.0, 100.0), yticks=[0, 50, 70, 80, 90, 95, 100])
         row[0].set_ylabel("Total similarity (%)")
     return style.legend_above(figure, grid[0, 0], 3, style.SIMULATED)
 
@@ -197,7 +204,8 @@ def draw_spread(frame: pd.DataFrame) -> Figure:
 @_figure("Similarity over the accepted experiments", draw_spread, inputs=("spread",))
 def spread_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity on every experiment that the printed numbers do not rule out, by motion, joint and method; the
-    bars are the medians. The metric ends at 0, where the error is as large as the torque.
+    bars are the medians. The metric ends at 0, where the error is as large as the torque; the scale is stretched
+    towards 100 %.
     """
     drawn = read_csv(inputs["scores"][0], SPREAD).query("method in @DRAWN")[list(SPREAD)]
     return drawn.assign(median=drawn.groupby(["case", "joint", "method"])["total"].transform("median"))

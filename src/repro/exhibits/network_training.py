@@ -193,8 +193,9 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
 
 @_training_data("Images of the training data", draw_examples)
 def fig08(_: Inputs, config: Configuration) -> pd.DataFrame:
-    """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16, clipped to the displayable
-    range (Fig. 8). Images with the same letter share their torque.
+    """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16: the first channel is grey, the
+    second adds blue and a little red, clipped to the displayable range (Fig. 8). psi is 2 alpha - f, with the torque
+    alpha and the torque f of the guess (Eq. 9). Images with the same letter share their torque.
     """
     signals, data = config.signals, data_settings(config)
     rng, count = stream(config.training.seed, Stream.EXAMPLES), len(_LETTERS)

@@ -296,8 +296,9 @@ def paper_recipe_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     trained="all",
 )
 def paper_recipe_figure(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Loss on held-out images over the number of images trained on: the paper's own schedule, iterated in full, next to
-    ours. Each network is tested on images of the ranges that it is trained on.
+    """Loss on held-out images over the number of images trained on: our training (Algorithm 1), the paper's schedule in
+    full (printed schedule), and with the printed ranges, too (trained as printed). Each network is tested on images of
+    the ranges that it is trained on, so the last level cannot be compared with the others.
     """
     histories = (read_csv(path, HISTORY_COLUMNS) for path in inputs["histories"])
     own = {"published": {"training": {}}, **plain(config.networks)}

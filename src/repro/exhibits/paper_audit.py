@@ -139,7 +139,8 @@ def draw_candidates(frame: pd.DataFrame) -> Figure:
 @_figure("Candidates for the metric's formula", draw_candidates)
 def metric_search_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """How well candidate formulas of metr2ev explain the Time and Freq. rows of the published Table 7, given the
-    published parameters of Tables 4 and 5.
+    published parameters of Tables 4 and 5: an error of 0 would be a perfect explanation. A frequency formula is named
+    by its spectrum, normalisation and distance. Chosen are formulas that explain the other printed values, too.
     """
     table = _search(inputs).rename(columns={"rms_log_error_best": "rms_log_error"})
     return table[["factor", "candidate", "rms_log_error", "chosen"]]

@@ -273,8 +273,8 @@ def medians(means: pd.DataFrame) -> pd.DataFrame:
 @_figure("Similarity by the number of guesses", draw_guesses)
 def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
-    that the printed numbers do not rule out (thin lines) and their median; levels of least squares over the same
-    experiments, and the published level of Algorithm 1.
+    that the printed numbers do not rule out (thin lines) and their median, up to the most guesses that all have; levels
+    of least squares over the same experiments, and the published level of Algorithm 1.
     """
     scores = _scores(inputs)
     scores = scores[~scores["method"].str.startswith(f"{SEARCHED}+")]

@@ -101,6 +101,8 @@ def _write_links(folder: Path, result: Result, arm: Arm) -> None:
             reason = f"No two links have these parameters. {error}"
         else:
             links = replace(links, rotor=sum(t.value for t in result.terms if t.taken and t.kind == ROTOR))
+            if vague := text.by_verdict(result.best.parameters).get(text.NOT_FROM_ZERO):
+                links = replace(links, notes=(f"{', '.join(vague)} {text.NOT_FROM_ZERO} in this log", *links.notes))
             if poor := unusable(result.best):
                 links = replace(links, notes=(f"DO NOT USE: {poor}", *links.notes))
             for name, export in ((URDF_FILE, urdf), (MJCF_FILE, mjcf)):
@@ -151,6 +153,7 @@ def render_page(
         logs=logs,
         fitted=len(result.fitted_logs),
         export_lines=text.export_lines(result),
+        verdicts=text.by_verdict(best.parameters),
         detection_limits=text.detection_limits(result),
         facts=[(name, [dict(log.facts).get(name, "") for log in logs]) for name in facts],
         predictions=tables.predictions(best),

@@ -7,7 +7,7 @@ import numpy as np
 
 from repro.errors import option
 from repro.fitting.prepare import PreparedLog
-from repro.fitting.result import Result, Score, SelfTest
+from repro.fitting.result import Parameter, Result, Score, SelfTest
 from repro.identification.armfile import Arm
 from repro.identification.calibration import CALIBRATION, OTHER_SCALE, SCALE, CalibrationError, blame_joint_1
 from repro.identification.extra_terms import (
@@ -82,6 +82,15 @@ def verdict(
     share = 0.5 * (high - low) / abs(estimate)
     known = known_to(_round_up(share)) if share <= MAX_KNOWN_SHARE else SIGN_KNOWN
     return known if possible else IMPOSSIBLE
+
+
+def by_verdict(parameters: Sequence[Parameter]) -> dict[str, list[str]]:
+    """Group the names of parameters by their verdicts, those that are known first."""
+    groups: dict[str, list[str]] = {"known": []}
+    for p in parameters:
+        known = p.verdict.startswith("known to")
+        groups.setdefault("known" if known else p.verdict, []).append(p.name)
+    return {verdict: names for verdict, names in groups.items() if names}
 
 
 def _round_up(share: float) -> str:

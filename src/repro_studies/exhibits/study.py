@@ -179,8 +179,8 @@ def draw_map(frame: pd.DataFrame) -> Figure:
         axes.set_yticks(range(len(order)), labels=[labels[row] for row in order])
         axes.set_title(f"{TITLES[method]}\nminus {TITLES[opponent].lower()}")
         axes.grid(visible=False)
-        axes.set_facecolor("0.85")
-    figure.supxlabel("Grey: not run. Similarity of least squares on Eq. 10 (%)", fontsize=style.TEXT_SIZE)
+        axes.patch.set(facecolor="0.92", hatch="////", edgecolor="0.75", lw=0.0)
+    figure.supxlabel("Similarity of least squares on Eq. 10 (%)", fontsize=style.TEXT_SIZE)
     figure.supylabel("Condition (prior, motion that is identified from)", fontsize=style.TEXT_SIZE)
     ticks = [sign * 10.0**power for sign in (-1, 1) for power in range(3)]
     label = f"Points on T1 to T4 ({style.SIMULATED.lower()})"
@@ -192,8 +192,10 @@ def draw_map(frame: pd.DataFrame) -> Figure:
 def study_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
     discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
-    better. In brackets: in some of these conditions the interval contains zero. Slow is Eq. 10 at half its pace. The
-    CSV has each condition with its interval, and the numbers of its square (mean, sure, of).
+    better, on a scale that is linear within 1 point and logarithmic beyond. Hatched: not run. In brackets: in some of
+    these conditions the interval contains zero. The prior is the range of arms that learned methods know; mismatched:
+    another one than that of the tested arms. Slow is Eq. 10 at half its pace. The CSV has each condition with its
+    interval, and the numbers of its square (mean, sure, of).
     """
     return analysis.maps(_outcomes(inputs))
 
@@ -211,8 +213,8 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
             for method, own in chosen.groupby("method", sort=False):
                 plot_deviation(axes, own["level"], own["share"], _LOOKS[str(method)], TITLES[str(method)])
         panels[0, column].set_title(prior)
-    panels[0, 0].set_ylabel("Each (points)")
-    panels[1, 0].set_ylabel("Together (points)")
+    panels[0, 0].set_ylabel("Each parameter (points)")
+    panels[1, 0].set_ylabel("All nine (points)")
     figure.supylabel("Share minus level (points)", fontsize=style.TEXT_SIZE)
     figure.supxlabel("Level (%)", fontsize=style.TEXT_SIZE)
     return style.legend_above(figure, panels[0, 0], 3, style.SIMULATED)
@@ -220,8 +222,8 @@ def draw_calibration(frame: pd.DataFrame) -> Figure:
 
 @_figure("Are the claimed distributions right", draw_calibration)
 def study_calibration(inputs: Inputs, _: Configuration) -> pd.DataFrame:
-    """Simulation-based calibration: distribution of the probability that a claimed distribution gives to values below
-    the true parameter, and of the share of its draws that lie nearer to a random point than the truth does (TARP),
-    minus a uniform one. A right claim stays in the band with 95 %.
+    """Simulation-based calibration. Above: distribution of the probability that a claimed distribution gives to values
+    below each true parameter, minus a uniform one. Below: the same of the share of its draws that are nearer to a
+    random point than the truth is (TARP). A right claim stays in the band with 95 %.
     """
     return analysis.calibration(_outcomes(inputs))
