@@ -1,7 +1,8 @@
 """Headline similarities of Algorithm 1 with networks of other trainings: writes ``results/networks.csv``.
 
 Each argument is ``NAME=RUN``: a name of the training, such as its seed, and a results folder with its scores of the
-numeric tests and its identifications of the arm. Prints the range over the networks.
+numeric tests and its identifications of the arm. Prints the range over the networks. For instance, with a configuration
+that has another `training.seed`: ``snakemake --cores 2 RUN/validation/numeric.csv RUN/identification/experiment-seed1.json``.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import pandas as pd
 from repro.config.check import load_config
 from repro.experiments.identifications import SCORES, score_experiment
 from repro.files import read_csv, write_csv
+from repro.signals.programs import PROGRAMS
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "benchmarks/results/networks.csv"
@@ -28,7 +30,7 @@ def measure(run: Path) -> dict[str, float]:
     """Mean totals of the four columns of README's table."""
     numeric = means(read_csv(run / "validation/numeric.csv", SCORES), ["trajectory"])
     found = sorted(run.glob("identification/experiment-seed*.json"))
-    captures = sorted(path for path in run.glob("experiment/*") if path.suffix in (".bin", ".program", ".json"))
+    captures = [ROOT / f"data/captures/{motion}.bin" for motion in PROGRAMS]
     arm = score_experiment(found, captures, load_config(ROOT / "config/config.yaml"))
     of_arm = means(arm.assign(unseen=arm["case"] != "ID"), ["unseen"])
     return {

@@ -38,7 +38,7 @@ scale = abs(tau).max()
 
 # %%
 network = repro.load_network(DATA / "networks/cnn.safetensors")
-guess = np.random.default_rng(8).uniform(0.001, 1.0, 9)  # passes line 22, below; Algorithm 1 goes up to 3
+guess = np.random.default_rng(226).uniform(0.001, 1.0, 9)  # passes line 22, below; Algorithm 1 goes up to 3
 image = repro.images(q, dq, ddq, tau, guess)
 residual = repro.estimate_residuals(network, image)
 corrected = guess + residual
@@ -50,7 +50,7 @@ for name, values in {"guess": guess, "residual": residual, "corrected": correcte
 #
 # The score is the similarity of the measured torque with the torque of the parameters, in % for each joint (100 %:
 # equal; least squares has 95 and 94 %). Algorithm 1 keeps a corrected guess only if no parameter is below zero (line
-# 22). That is rare: of the seeds 1 to 11 only 5 and 8 pass.
+# 22). That is rare: of the seeds 0 to 399 eight pass.
 
 
 # %%
@@ -114,6 +114,6 @@ for name, torque, given in (("random", tau, random), ("true", tau, None), ("true
 
 # %% [markdown]
 # The network brings a random guess much nearer, but not near. Most estimates have a negative parameter, which line 22
-# rejects. Even the true parameters are moved away, because the arm has effects that Eq. 1 lacks: with the torque of Eq.
-# 1 they are moved by 0.03 instead of 0.16. The last two rows are one guess each, so *possible* is 0 or 100 %. Line 22
+# rejects. Even the true parameters are moved away, by 0.13: by 0.07 with the torque of Eq. 1, without the other effects
+# of the arm. The last two rows are one guess each, so *possible* is 0 or 100 %. Line 22
 # rejects both, because a parameter is negative. So a good estimate is rare, and Algorithm 1 must draw many guesses.
