@@ -69,6 +69,8 @@ check: setup-test
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(SNAKEMAKE) --lint
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow" $(foreach part,api study report project,--ignore tests/$(part))
 
 test: setup-test

@@ -1,8 +1,9 @@
 """Headline similarities of Algorithm 1 with networks of other trainings: writes ``results/networks.csv``.
 
 Each argument is ``NAME=RUN``: a name of the training, such as its seed, and a results folder with its scores of the
-numeric tests and its identifications of the arm. Prints the range over the networks. For instance, with a configuration
-that has another `training.seed`: ``snakemake --cores 2 RUN/validation/numeric.csv RUN/identification/experiment-seed1.json``.
+numeric tests and its identifications of the arm. Prints the range over the networks. For a RUN give Snakemake a
+configuration with another `training.seed`, and the targets ``RUN/validation/numeric.csv`` and
+``RUN/identification/experiment-seed1.json``.
 """
 
 import argparse

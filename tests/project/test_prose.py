@@ -204,8 +204,8 @@ PHRASES = [
     (
         "README.md",
         "typically off by {:.1f} (root mean square of the nine, in units of the largest torque), where the largest "
-        "true parameter is 0.3. {:.0f} % are rejected, because a parameter is negative. Even from the true parameters "
-        "an estimate is off by {:.2f}, with a torque that obeys tau = Y beta by {:.2f}",
+        "true parameter is 0.3. {:.0f} % are rejected, because a parameter is negative. Started at the true "
+        "parameters, an estimate is still off by {:.2f}, or by {:.2f} if the torque obeys tau = Y beta",
         [ESTIMATES["random"][0], 100 - ESTIMATES["random"][1], ESTIMATES["true"][0], ESTIMATES["true, Eq. 1"][0]],
     ),
     (EXPERIMENT, "the true share is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),

@@ -27,7 +27,7 @@ rule report:
         captions={exhibit.target: exhibit.caption for exhibit in EXHIBITS},
         overlays=CONFIG_FILES[1:],
         digest=config_digest(config),
-        config=stated(SETTINGS, "results", "figures", "training"),
+        config=stated(SETTINGS, "results", "figures", "training", "spread", "algorithm1"),
     message:
         "Report of every table, figure and published number"
     script:

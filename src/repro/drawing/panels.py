@@ -91,7 +91,7 @@ def draw_losses(
     axes.set(xscale=xscale, yscale="log", xlabel=x_label, ylabel=y_label)
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     if xscale == "linear":
-        axes.xaxis.set_major_locator(MaxNLocator(6))
+        axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     return style.legend_above(figure, axes, columns)
 
 

@@ -68,7 +68,8 @@ def coverage_layout(frame: pd.DataFrame) -> Table:
 def coverage_table(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Shares of simulated arms whose true parameters lie in the intervals of the network of closed-loop motions, before
     and after calibration on other arms: on arms of Eq. 1, on arms with unmodelled torque, and on arms of another
-    generator. The last row is for all nine parameters at once.
+    generator (other). Guesses: before calibration. The last row is for all nine parameters at once. Contraction: the
+    share of the variance over the arms that an interval removes.
     """
     return read_csv(inputs["coverage"][0], COVERAGE)
 
@@ -92,9 +93,7 @@ def intervals_layout(frame: pd.DataFrame) -> Table:
 
 @_table("The arm's parameters with the network's intervals", intervals_layout, inputs=("coverage",))
 def intervals(inputs: Inputs, _: Configuration) -> pd.DataFrame:
-    """Parameters of the simulated arm with the calibrated intervals of the network of tracked motions, and whether its
-    recording is like the training motions.
-    """
+    """Parameters of the simulated arm with the calibrated intervals of the network of closed-loop motions."""
     return read_csv(inputs["intervals"][0], INTERVALS)
 
 

@@ -63,7 +63,7 @@ def table03(_: Inputs, config: Configuration) -> pd.DataFrame:
         ("Activation, layer 6", f"sigmoid (Eq. 13), c = {network.sigmoid_gain:g}"),
         ("Parameters", str(int(layers["parameters"].sum()))),
         ("Loss", "half mean square error of sigmoids"),
-        ("Recipe", training.recipe),
+        ("Training images", {"streamed": "new at every iteration"}.get(training.recipe, "fixed")),
         ("Training iterations", str(training.steps)),
         ("Images in an iteration", str(training.batch)),
     ]
@@ -193,9 +193,10 @@ def draw_examples(frame: pd.DataFrame) -> Figure:
 
 @_training_data("Images of the training data", draw_examples)
 def fig08(_: Inputs, config: Configuration) -> pd.DataFrame:
-    """Signal images whose guess is right (M_p) and wrong (M_n), in the colours of Eq. 16: the first channel is grey, the
-    second adds blue and a little red, clipped to the displayable range (Fig. 8). psi is 2 alpha - f, with the torque
-    alpha and the torque f of the guess (Eq. 9). Images with the same letter share their torque.
+    """Signal images whose guess is right (Mp) and wrong (Mn), in the colours of Eq. 16: the first channel is grey, the
+    second adds blue and a little red, clipped to the displayable range (Fig. 8). Axes are the torque α and ψ = 2α
+    minus the torque of the guess (Eq. 9): a right guess gives a symmetric image. Images with the same letter share
+    their torque.
     """
     signals, data = config.signals, data_settings(config)
     rng, count = stream(config.training.seed, Stream.EXAMPLES), len(_LETTERS)
@@ -254,7 +255,7 @@ def fig09(_: Inputs, config: Configuration) -> pd.DataFrame:
     trained="all",
 )
 def fig10(inputs: Inputs, _: Configuration) -> pd.DataFrame:
-    """Training and held-out loss of the streamed recipe (Fig. 10)."""
+    """Training and held-out loss of our training, which draws new images at every step (Fig. 10)."""
     history = read_csv(inputs["history"][0], HISTORY_COLUMNS).astype(np.float64)
     steps = history["step"].to_numpy()
     return long_table(("loss", name, steps, history[f"{name}_loss"].to_numpy()) for name in ("train", "test"))

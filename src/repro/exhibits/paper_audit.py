@@ -59,8 +59,8 @@ def _listed(frame: pd.DataFrame) -> list[tuple[Text, pd.DataFrame]]:
         f"Search for the formula of metr2ev: the {_LISTED} candidates of each factor with the smallest rms log error "
         "against the published Table 7. Without an arm: smallest and largest rank if one of the four arms is left "
         "out. Best: error at the motion that suits the candidate best, with the length and the bandwidth of this "
-        "motion. Mean: mean error of all motions. Eq. 10: mean total (%) of the published parameters on Eq. 10 with "
-        "the chosen formula of the other factor; the abstract prints 97.38.",
+        "motion, not the chosen one. Mean: mean error of all motions. Eq. 10: mean total (%) of the published "
+        "parameters on Eq. 10 with the chosen formula of the other factor; the abstract prints 97.38.",
         ("Rank", "r", digits("rank", 0)),
         ("Without an arm", "l", lambda row: _span(number(row["rank_low"], 0), number(row["rank_high"], 0))),
         ("Candidate", "l", words("candidate")),

@@ -239,6 +239,13 @@ SEARCHED = "algorithm1"
 EACH, MEDIAN = "experiment", "median"
 
 
+#: Published levels by the method.
+_PUBLISHED: dict[str, dict[str, Any]] = {
+    "algorithm1": {"label": "Published, Algorithm 1", "color": style.INK, "lw": 1.4},
+    "least-squares": {"label": "Published, least squares", "color": "0.45", "lw": 0.8},
+}
+
+
 def draw_guesses(frame: pd.DataFrame) -> Figure:
     """Mean total against the number of guesses: a line for each experiment, and medians."""
     drawn, panels = style.new_panels(style.PAGE, 3.0, 1, 2)
@@ -255,8 +262,8 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
         for method in ("least-squares", "bounded"):
             level = 100.0 * own[MEDIAN, method]["total"].iloc[0]
             axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
-        published = 100.0 * own[MEDIAN, "published"]["total"].iloc[0]
-        axes.axhline(published, color=style.INK, lw=1.4, label="Published, Algorithm 1")
+        for method, look in _PUBLISHED.items():
+            axes.axhline(100.0 * own[MEDIAN, f"published/{method}"]["total"].iloc[0], **look)
         axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(lowest, 100.0))
     panels[0].set_ylabel("Total similarity (%)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
@@ -274,14 +281,19 @@ def medians(means: pd.DataFrame) -> pd.DataFrame:
 def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
     that the printed numbers do not rule out (thin lines) and their median, up to the most guesses that all have; levels
-    of least squares over the same experiments, and the published level of Algorithm 1.
+    of least squares over the same experiments, and the published levels. The paper does not print how many guesses it
+    used. The vertical axes differ.
     """
     scores = _scores(inputs)
     scores = scores[~scores["method"].str.startswith(f"{SEARCHED}+")]
     each = _means(by_experiment(scores))
-    on_id = float(np.mean([_published("algorithm1", "ID", joint) for joint in (1, 2)]))
-    printed = pd.DataFrame({"case": ["ID", MEAN], "total": [on_id, _published("algorithm1", MEAN, 0)]})
-    return pd.concat([medians(each), printed.assign(method="published", guesses=0, of=MEDIAN)], ignore_index=True)
+    printed = [
+        {"method": f"published/{method}", "case": case, "guesses": 0, "of": MEDIAN, "total": total}
+        for method in _PUBLISHED
+        for case, joints in (("ID", (1, 2)), (MEAN, (0,)))
+        for total in [float(np.mean([_published(method, case, joint) for joint in joints]))]
+    ]
+    return pd.concat([medians(each), pd.DataFrame(printed)], ignore_index=True)
 
 
 def _means(totals: pd.DataFrame) -> pd.DataFrame:

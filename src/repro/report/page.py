@@ -57,6 +57,7 @@ class ReportInputs:
     config_sha256: str  # SHA-256 of the configuration, in hexadecimal
     provenance: Mapping[str, str]  # commit, packages and the like; empty if nobody recorded them
     notice: str = ""  # a warning for the top of the page, for example that the budgets were tiny
+    guesses: int = 0  # of Algorithm 1 in the comparison over the accepted experiments
     docs: Path | None = None  # pages that the report links to, with results of an earlier run in ``reference/``
 
     @property
@@ -265,7 +266,7 @@ def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
         raise InputError.at(f"{path}: method", found, f"rows of {method}")
     row = asked.iloc[0]
     over = f"over {row['experiments']} simulated experiments that the printed numbers do not rule out"
-    over += ", one short search each (README has longer ones)"
+    over += f", one search of at most {inputs.guesses:,} guesses each"
     words = f"{_WORDS[row['conclusion']]}: {over}, Algorithm 1 as listed is {_compared(row)} on {SPAN}."
     titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
     return words, table.assign(**titles).to_dict("records")
@@ -375,5 +376,6 @@ def make_report(
     if is_stored:
         notice = f"{notice} {stored.capitalize()}.".strip()
     folders = (Path(config.results), Path(config.figures))
-    inputs = ReportInputs(*folders, sorted(captures), digest, provenance, notice, pages_of(Path(checkout)))
+    guesses = config.spread.inner_limit * config.algorithm1.executions
+    inputs = ReportInputs(*folders, sorted(captures), digest, provenance, notice, guesses, pages_of(Path(checkout)))
     write_text(inputs.page, build_report(inputs))
