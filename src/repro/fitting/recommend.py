@@ -71,7 +71,7 @@ def recommend(methods: Sequence[MethodResult]) -> tuple[str, str]:
         remedy = "give a log to judge by: --validate LOG (Python: validate=log)"
         return best.method, f"smallest error on the log it was fitted to; {remedy}"
     halves = best.halves and best.halves[0].log in HALVES
-    rest = "each half from the other" if halves else "each log from the others"
+    rest = "each half predicted from the other" if halves else "each log predicted from the others"
     on = "the validation logs" if best.validation else rest
     if judged is errors:
         return best.method, f"smallest mean torque error on {on} among the physically consistent methods"
