@@ -262,8 +262,8 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
         for method in ("least-squares", "bounded"):
             level = 100.0 * own[MEDIAN, method]["total"].iloc[0]
             axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
-        for method, look in _PUBLISHED.items():
-            axes.axhline(100.0 * own[MEDIAN, f"published/{method}"]["total"].iloc[0], **look)
+        for method, line in _PUBLISHED.items():
+            axes.axhline(100.0 * own[MEDIAN, f"published/{method}"]["total"].iloc[0], **line)
         axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(lowest, 100.0))
     panels[0].set_ylabel("Total similarity (%)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
