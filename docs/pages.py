@@ -51,10 +51,11 @@ HEADLINE = {
     "algorithm1": ("Algorithm 1", "`table06` `table07` `table10` `accepted`"),
     "algorithm1/one-run": ("Algorithm 1, one run", "`table10`"),
     "algorithm1+paper-recipe-ranges": ("Algorithm 1, trained as printed", "`paper_recipe`"),
-    "algorithm1+refinement": ("Algorithm 1 + refinement", "`table06` `table07` `table10`"),
     "least-squares": ("Least squares", "as Algorithm 1"),
     "bounded": ("Nonnegative least squares", "as Algorithm 1"),
 }
+#: Headline similarities with other trainings of the network.
+NETWORKS = ROOT / "benchmarks/results/networks.csv"
 #: Guesses of Algorithm 1 in the column over the accepted experiments.
 GUESSES = 100_000
 #: Published rows, each before the method that it is compared with.
@@ -159,6 +160,9 @@ def headline() -> str:
             rows.append([PRINTED[key], *numeric, *on_arm, "", ""])
         own = [mean(of.loc[key, cells(cases)]) if key in of.index else float("nan") for of, cases in groups]
         rows.append([label, *map(percent, own), everywhere.get(key, ""), targets])
+    several = pd.read_csv(NETWORKS).set_index("training").agg(["min", "max"]).mul(100.0)
+    ranges = [f"{low:.1f} to {high:.1f}" for low, high in several.T.to_numpy()]
+    rows.insert(2, ["Algorithm 1, six networks", *ranges, "", ""])
     header = ["", "N1-N4, ID", "N1-N4, new motion", "arm, ID", "arm, T1-T4", "24 experiments, T1-T4", "target"]
     return markdown(header, rows)
 

@@ -243,7 +243,9 @@ def fig20(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 
 @_figure(f"Paths of the tip in {SPAN}", draw_paths, inputs=("validation",))
 def fig21(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Desired and actual path of the tip on the validation motions of the simulated arm (Fig. 21)."""
+    """Desired and actual path of the tip on the validation motions of the simulated arm (Fig. 21). Both axes of a panel
+    have one scale; T3 spans 0.6 m, T1 0.02 m.
+    """
     geometry, parts = program_settings(config).geometry, []
     for recording in read_recordings(inputs["captures"], config):
         for series, q in (("desired", recording.program.q), ("actual", recording.q)):

@@ -242,7 +242,7 @@ EACH, MEDIAN = "experiment", "median"
 #: Published levels by the method.
 _PUBLISHED: dict[str, dict[str, Any]] = {
     "algorithm1": {"label": "Published, Algorithm 1", "color": style.INK, "lw": 1.4},
-    "least-squares": {"label": "Published, least squares", "color": "0.45", "lw": 0.8},
+    "least-squares": {"label": "Published, least squares", "color": style.INK, "lw": 1.0, "ls": ":"},
 }
 
 
@@ -262,8 +262,8 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
         for method in ("least-squares", "bounded"):
             level = 100.0 * own[MEDIAN, method]["total"].iloc[0]
             axes.axhline(level, label=style.SERIES_LABELS[method], **style.STROKES[method])
-        for method, line in _PUBLISHED.items():
-            axes.axhline(100.0 * own[MEDIAN, f"published/{method}"]["total"].iloc[0], **line)
+        for method, printed in _PUBLISHED.items():
+            axes.axhline(100.0 * own[MEDIAN, f"published/{method}"]["total"].iloc[0], **printed)
         axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(lowest, 100.0))
     panels[0].set_ylabel("Total similarity (%)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)

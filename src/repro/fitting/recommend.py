@@ -221,7 +221,7 @@ def _weak_inertia(r: Regression, method: MethodResult) -> Iterator[str]:
     inertia, rest = (np.sqrt(np.mean(x**2, axis=1)) for x in (r.y[..., :3] @ beta[:3], r.tau - r.y @ beta))
     if (inertia < LIMITS.min_inertia_over_rest * rest).any():
         needed, left = (" and ".join(f"{x:.2g}" for x in torques) for torques in (inertia, rest))
-        found = f"it needs {needed} N m RMS of joints 1 and 2, and Eq. 1 leaves {left} N m unexplained"
+        found = f"it makes {needed} N m RMS of the torques, and Eq. 1 leaves {left} N m unexplained"
         yield f"the motion is too slow to determine inertia ({found}): {EXCITE}"
 
 

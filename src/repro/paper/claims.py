@@ -36,7 +36,8 @@ VERDICTS = {
     HARDWARE: "only a measurement on the real arm or board could decide",
 }
 #: What may be asserted of a number. Where it depends on chance, five runs may scatter too widely to call it reproduced.
-ASSERTIONS = (REPRODUCED, DIFFERS, NOT_REFUTED := f"{REPRODUCED} or {INCONCLUSIVE}")
+NOT_REFUTED = f"{REPRODUCED} or {INCONCLUSIVE}"
+ASSERTIONS = (REPRODUCED, DIFFERS, NOT_REFUTED)
 #: Published kind of the numbers that the authors chose and a reproduction adopts.
 SETTING = "setting"
 

@@ -39,7 +39,7 @@ from repro.paper.claims import (
     causes,
     summary,
 )
-from repro.paper.published import load_published, similarity_cells
+from repro.paper.published import PublishedValue, load_published, similarity_cells
 from repro.provenance import commit, package_versions
 from repro.signals.programs import SPAN
 
@@ -200,17 +200,26 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
             if row[name] not in values:
                 raise InputError.at(f"{place}: {name}", repr(row[name]), f"one of {', '.join(map(repr, values))}")
         seen.add(row["id"])
-    relations = {number.id: number.relation for number in load_published()}
+    published = {number.id: number for number in load_published()}
     lost = set(broken(pd.DataFrame(rows, columns=list(COLUMNS)))["id"])
     return [
         {
             **row,
-            **_cells(row, relations.get(row["id"].partition(EXTENSION)[0], "")),
+            **_cells(row, published[number].relation if number in published else ""),
+            "label": _label(published[number]) if number in published else row["quantity"],
             "extension": EXTENSION in row["id"],
             "satisfied": row["id"] not in lost,
         }
         for row in rows
+        for number in [row["id"].partition(EXTENSION)[0]]
     ]
+
+
+def _label(number: PublishedValue) -> str:
+    """What a published number is of: parameter or quantity, case, joint and method."""
+    parts = [number.parameter or number.quantity, f"of {number.case}" if number.case else ""]
+    parts += [f"joint {number.joint}" if number.joint else "", title_of(number.method)]
+    return ", ".join(part for part in (" ".join(filter(None, parts[:2])), *parts[2:]) if part)
 
 
 def _cells(row: Mapping[str, str], relation: str) -> dict[str, Cell]:
@@ -270,6 +279,22 @@ def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
     words = f"{_WORDS[row['conclusion']]}: {over}, Algorithm 1 as listed is {_compared(row)} on {SPAN}."
     titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
     return words, table.assign(**titles).to_dict("records")
+
+
+def longer_searches(inputs: ReportInputs) -> dict[str, object]:
+    """Medians over the accepted experiments with the most guesses that all have, of this run or of a kept one."""
+    (exhibit,) = (one for one in TABLES if one.name == "accepted")
+    own = _files(exhibit, inputs.results, inputs.figures)[0]
+    path = own if own.exists() else inputs.kept(exhibit)
+    if path is None:
+        return {}
+    table = read_csv(path, ("unit", "method", "guesses", "experiments", "mean_median"))
+    table = table[(table["unit"] == "all") & (table["experiments"] == table["experiments"].max())]
+    last = table.sort_values("guesses").groupby("method").tail(1).set_index("method")
+    searched, level = last.loc["algorithm1"], last.loc["least-squares"]
+    medians = {"algorithm1": searched["mean_median"], "least_squares": level["mean_median"]}
+    shown = {name: f"{100.0 * value:.1f}" for name, value in medians.items()}
+    return {"guesses": f"{searched['guesses']:,}", "experiments": searched["experiments"], "kept": path != own, **shown}
 
 
 def _compared(row: pd.Series) -> str:
@@ -341,6 +366,7 @@ def build_report(inputs: ReportInputs) -> str:
         decided=counts.groupby(lambda verdict: verdict if verdict in _DECIDED else "open").sum(),
         asserted=[claim for claim in claims if claim["asserted"]],
         answer=answer(inputs),
+        more_guesses=longer_searches(inputs),
         differing=[(causes_by_name[name], own) for name, own in of_causes.items() if own],
         audit=[{name: cell for name, cell in row.items() if name != "id"} for row in read_rows(audit_file)],
         audit_links=[link(path, inputs.page) for path in (audit_file, audit_file.with_suffix(".tex")) if path.exists()],
