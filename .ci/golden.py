@@ -72,6 +72,7 @@ def pages(folder: Path) -> dict[str, list[str]]:
         text = re.sub(r"[0-9a-f]{64}", "", path.read_text(encoding="utf-8"))
         if path.suffix == ".html":
             text = " ".join(re.sub(r"<(style|script)\b.*?</\1>", "", text, flags=re.DOTALL).split())
+            text = re.sub(r'<p class="provenance">.*?</p>', "", text)
             text = MARK.sub(r"\2 \1", text.partition('<section id="provenance"')[0])
             text = BLOCK_END.sub("\n", text)
             text = SIZE.sub("", re.sub(r"<[^>]+>", " ", text))
