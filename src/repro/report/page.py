@@ -294,7 +294,8 @@ def longer_searches(inputs: ReportInputs) -> dict[str, object]:
     searched, level = last.loc["algorithm1"], last.loc["least-squares"]
     medians = {"algorithm1": searched["mean_median"], "least_squares": level["mean_median"]}
     shown = {name: f"{100.0 * value:.1f}" for name, value in medians.items()}
-    return {"guesses": f"{searched['guesses']:,}", "experiments": searched["experiments"], "kept": path != own, **shown}
+    facts = {"guesses": f"{searched['guesses']:,}", "experiments": searched["experiments"], "kept": path != own}
+    return {"target": exhibit.target, **facts, **shown}
 
 
 def _compared(row: pd.Series) -> str:
