@@ -162,7 +162,7 @@ def headline() -> str:
         rows.append([label, *map(percent, own), everywhere.get(key, ""), targets])
     several = pd.read_csv(NETWORKS).set_index("training").agg(["min", "max"]).mul(100.0)
     ranges = [f"{low:.1f} to {high:.1f}" for low, high in several.T.to_numpy()]
-    rows.insert(2, ["Algorithm 1, six networks", *ranges, "", ""])
+    rows.insert(2, ["Algorithm 1, seven networks", *ranges, "", ""])
     header = ["", "N1-N4, ID", "N1-N4, new motion", "arm, ID", "arm, T1-T4", "24 experiments, T1-T4", "target"]
     return markdown(header, rows)
 
