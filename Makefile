@@ -19,7 +19,7 @@ LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
 INSTALLED := $(call stamp,installed,pyproject.toml)
 TESTABLE := $(call stamp,testable,requirements-test.lock)
 
-.PHONY: help reproduce quick check test smoke golden rtl site setup setup-test lock clean check-python
+.PHONY: help reproduce quick check lint test smoke golden rtl site setup setup-test lock clean check-python
 
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
@@ -64,23 +64,19 @@ site: | check-python
 	build/site-venv/bin/python docs/build_site.py
 
 # Folders of tests that take long together are left to `make test`.
-check: setup-test
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports
-	$(BIN)/snakefmt --check Snakefile workflow
-	$(SNAKEMAKE) --lint
+check: lint
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow" $(foreach part,api study report project,--ignore tests/$(part))
 
-test: setup-test
+test: lint
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+lint: setup-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(SNAKEMAKE) --lint
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile
 
 setup: $(INSTALLED)
 
