@@ -19,7 +19,7 @@ LOCKED := $(call stamp,locked,requirements-cpu.lock requirements.lock)
 INSTALLED := $(call stamp,installed,pyproject.toml)
 TESTABLE := $(call stamp,testable,requirements-test.lock)
 
-.PHONY: help reproduce quick check lint test smoke golden rtl site setup setup-test lock clean check-python
+.PHONY: help reproduce quick check lint test smoke golden rtl pages site setup setup-test lock clean check-python
 
 help:
 	@echo "make reproduce  set up $(VENV) and run the full workflow (results/, paper_figures/)"
@@ -29,6 +29,7 @@ help:
 	@echo "make smoke      run the same workflow with tiny budgets (results/smoke/, paper_figures/smoke/)"
 	@echo "make golden     run it from stored networks with small counts and compare its numbers with tests/golden"
 	@echo "make rtl        test the board in logic: arithmetic, blocks, recordings, proofs"
+	@echo "make pages      write again what pages show of code, settings and kept results"
 	@echo "make site       build the pages as a site (build/site)"
 	@echo "make setup      set up $(VENV) alone; make setup-test with the test tools"
 	@echo "make lock       make the requirements*.lock files again from pyproject.toml, but for -cpu and -uv"
@@ -56,6 +57,10 @@ golden: setup
 rtl: setup-test
 	@$(PIP) install --quiet $(LOCK_OPTIONS) -r requirements-rtl.lock
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile rtl/tests tests/board/test_logic.py
+
+pages: setup
+	$(BIN)/python config/reference.py
+	$(BIN)/python docs/refresh.py --ledger
 
 # Its packages are no part of the project, so they have an environment of their own.
 site: | check-python

@@ -23,6 +23,8 @@ from repro.cli import parser
 from repro.drawing.style import MEANINGS, METHODS, title_of
 from repro.keys import Key
 from repro.paper.published import load_published
+from repro.report.headline import COLUMNS, PRINTED, means, published_headline
+from repro.report.headline import headline as similarities
 
 ROOT = Path(__file__).resolve().parents[1]
 REFERENCE = ROOT / "docs/reference"
@@ -48,7 +50,7 @@ VALIDATION = MOTIONS[1:]
 
 #: Rows of the README's table, each with its targets; a published row stands before its method.
 HEADLINE = {
-    "algorithm1": ("Algorithm 1", "`table06` `table07` `table10` `accepted`"),
+    "algorithm1": ("Algorithm 1", "`table06` `table07` `table10`"),
     "algorithm1/one-run": ("Algorithm 1, one run", "`table10`"),
     "algorithm1+paper-recipe-ranges": ("Algorithm 1, trained as printed", "`paper_recipe`"),
     "least-squares": ("Least squares", "as Algorithm 1"),
@@ -56,10 +58,6 @@ HEADLINE = {
 }
 #: Headline similarities with other trainings of the network.
 NETWORKS = ROOT / "benchmarks/results/networks.csv"
-#: Guesses of Algorithm 1 in the column over the accepted experiments.
-GUESSES = 100_000
-#: Published rows, each before the method that it is compared with.
-PRINTED = {"algorithm1": "Published, Algorithm 1", "least-squares": "Published, least squares"}
 #: Targets whose costs a page shows, with the label of each row.
 COSTS = {
     "table06": "`table04` to `table07`",
@@ -135,36 +133,21 @@ def table10() -> str:
     return table_of_totals("table10", MOTIONS, first, "mean T1 to T4")
 
 
-def over_experiments() -> dict[str, str]:
-    """Median mean over T1 to T4 on the accepted experiments by method, with `GUESSES` if it guesses."""
-    frame = pd.read_csv(REFERENCE / "tables/accepted.csv")
-    chosen = frame[(frame["unit"] == "all") & frame["guesses"].isin([0, GUESSES])]
-    return {row["method"]: f"{100 * row['mean_median']:.1f}" for row in chosen.to_dict("records")}
-
-
 def headline() -> str:
-    """Means over N1 to N4, the simulated arm, and the accepted experiments."""
-    as_printed, everywhere = totals("paper_recipe"), over_experiments()
-    arm, tests = (pd.concat([totals(name), as_printed]) for name in ("table10", "table06"))
-    groups = (
-        (tests[~tests.index.duplicated()], NUMERIC),
-        (totals("table07"), NUMERIC),
-        *((arm[~arm.index.duplicated()], cases) for cases in (("ID",), VALIDATION)),
-    )
+    """Means over N1 to N4 and over the motions of the simulated arm."""
+    printed, own = published_headline(), similarities(REFERENCE / "tables")
+    recipe = pd.read_csv(REFERENCE / "tables/paper_recipe.csv")
+    tested = [column for column, (table, _) in COLUMNS.items() if table != "table07"]
+    own = own.combine_first(pd.DataFrame({column: means(recipe, column) for column in tested}))
     rows = []
     for key, (label, targets) in HEADLINE.items():
         if key in PRINTED:
-            validated = percent(mean(published("table07", NUMERIC, "")))
-            numeric = ["over 97.38", validated] if key == "algorithm1" else ["", ""]
-            on_arm = [percent(mean(published("table10", cases, f"/{key}"))) for cases in (("ID",), VALIDATION)]
-            rows.append([PRINTED[key], *numeric, *on_arm, "", ""])
-        own = [mean(of.loc[key, cells(cases)]) if key in of.index else float("nan") for of, cases in groups]
-        rows.append([label, *map(percent, own), everywhere.get(key, ""), targets])
+            rows.append([PRINTED[key], *printed.loc[key], ""])
+        rows.append([label, *map(percent, own.loc[key]), targets])
     several = pd.read_csv(NETWORKS).set_index("training").agg(["min", "max"]).mul(100.0)
     ranges = [f"{low:.1f} to {high:.1f}" for low, high in several.T.to_numpy()]
-    rows.insert(2, ["Algorithm 1, seven networks", *ranges, "", ""])
-    header = ["", "N1-N4, ID", "N1-N4, new motion", "arm, ID", "arm, T1-T4", "24 experiments, T1-T4", "target"]
-    return markdown(header, rows)
+    rows.insert(2, ["Algorithm 1, seven networks", *ranges, ""])
+    return markdown(["", *own, "target"], rows)
 
 
 def verdicts() -> str:

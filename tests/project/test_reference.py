@@ -115,7 +115,7 @@ def test_asserted_claims_hold_and_the_pages_count_them():
     assert f"{(CLAIMS['asserted'] != '').sum()} asserted" in results
     counted = by_basis(CLAIMS.reset_index())[["numeric", "simulated arm"]].sum(axis=1)
     numbers = (
-        r"can test (\d+) printed numbers\. In the kept reference run, (\d+) are reproduced or better, (\d+) differ, "
+        r"Of (\d+) printed numbers that a simulation can test, (\d+) are reproduced or better, (\d+) differ, "
         r".*? (\d+) are"
     )
     shown = re.search(numbers, readme)

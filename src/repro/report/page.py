@@ -4,7 +4,7 @@ import hashlib
 import os
 import platform
 import re
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -23,26 +23,25 @@ from repro.exhibits import declare
 from repro.exhibits.catalogue import FIGURES, TABLES, TARGETS
 from repro.exhibits.declare import Exhibit, read_shown
 from repro.exhibits.result_tables import similarities
-from repro.experiments import monte_carlo
-from repro.files import read_csv, read_rows, write_text
+from repro.files import read_rows, write_text
 from repro.paper.claims import (
     ASSERTIONS,
-    BETTER,
     DIFFERS,
+    EVIDENCE,
     EXTENSION,
     LIMITS,
-    REPRODUCED,
     VERDICTS,
     Basis,
     broken,
     by_basis,
     causes,
-    summary,
 )
 from repro.paper.published import PublishedValue, load_published, similarity_cells
 from repro.provenance import commit, package_versions
-from repro.signals.programs import SPAN
+from repro.report.headline import answer, headline_table, longer_searches, shares
 
+#: Shown with the headline: Algorithm 1 as listed next to least squares, over the number of guesses.
+HEADLINE_FIGURE = "guesses"
 #: The report must stay below this, so that it can be mailed and opened anywhere.
 LARGEST_REPORT = 15_000_000
 
@@ -123,6 +122,14 @@ def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
     return {"exhibit": exhibit, "links": links, "missing": missing, "kept": kept is not None, **shown}
 
 
+def _longer_searches(inputs: ReportInputs) -> dict[str, object]:
+    """What more guesses give over the accepted experiments: of this run, or of a kept one, or nothing."""
+    (exhibit,) = (one for one in TABLES if one.name == "accepted")
+    own = _files(exhibit, inputs.results, inputs.figures)[0]
+    path = own if own.exists() else inputs.kept(exhibit)
+    return {} if path is None else {"target": exhibit.target, "kept": path != own, **longer_searches(path)}
+
+
 def _drawn(exhibit: Exhibit, numbers: Path) -> Picture:
     """A figure drawn from its numbers."""
     with TemporaryDirectory() as folder:
@@ -154,9 +161,6 @@ def _published(exhibit: Exhibit) -> list[tuple[Text, Sequence[Sequence[Text]]]]:
     )
     return [(plain("Published, ") + (heading or ""), rows) for heading, rows in printed.blocks]
 
-
-#: Verdicts that the first section counts; the others decide nothing.
-_DECIDED = (REPRODUCED, BETTER, DIFFERS)
 
 COLUMNS = (
     "id", "place", "quantity", "unit", "basis", "published", "ours", "difference", "tolerance", "verdict", "asserted",
@@ -255,82 +259,6 @@ def _cell(text: str, decimals: int | None, unit: str = "", signed: bool = False,
     return Cell(before + shown.replace("-", _MINUS) + unit, repr(value))
 
 
-_WORDS = {
-    monte_carlo.BETTER: "Yes",
-    monte_carlo.WORSE: "No",
-    monte_carlo.SAME: "Neither",
-    monte_carlo.OPEN: "Undecided",
-}
-
-
-def answer(inputs: ReportInputs) -> tuple[str, list[dict[Hashable, Any]]]:
-    """The answer in one sentence, and the comparisons that it rests on."""
-    method, opponent = "algorithm1", "least-squares"  # as listed in the paper, and the opponent that the paper chose
-    path = inputs.results / "tables" / "verdict.csv"
-    table = read_csv(path, monte_carlo.COMPARISON_COLUMNS)
-    table = table.assign(points=[_points(row) for row in table.to_dict("records")])
-    asked = table[(table["method"] == method) & (table["opponent"] == opponent)]
-    if asked.empty:
-        found = f"no {method!r} against {opponent!r} on {SPAN}"
-        raise InputError.at(f"{path}: method", found, f"rows of {method}")
-    row = asked.iloc[0]
-    over = f"over {row['experiments']} simulated experiments that the printed numbers do not rule out"
-    over += f", one search of at most {inputs.guesses:,} guesses each"
-    words = f"{_WORDS[row['conclusion']]}: {over}, Algorithm 1 as listed is {_compared(row)} on {SPAN}."
-    titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
-    return words, table.assign(**titles).to_dict("records")
-
-
-def longer_searches(inputs: ReportInputs) -> dict[str, object]:
-    """Medians over the accepted experiments with the most guesses that all have, of this run or of a kept one."""
-    (exhibit,) = (one for one in TABLES if one.name == "accepted")
-    own = _files(exhibit, inputs.results, inputs.figures)[0]
-    path = own if own.exists() else inputs.kept(exhibit)
-    if path is None:
-        return {}
-    table = read_csv(path, ("unit", "method", "guesses", "experiments", "mean_median"))
-    table = table[(table["unit"] == "all") & (table["experiments"] == table["experiments"].max())]
-    last = table.sort_values("guesses").groupby("method").tail(1).set_index("method")
-    searched, level = last.loc["algorithm1"], last.loc["least-squares"]
-    medians = {"algorithm1": searched["mean_median"], "least_squares": level["mean_median"]}
-    shown = {name: f"{100.0 * value:.1f}" for name, value in medians.items()}
-    facts = {"guesses": f"{searched['guesses']:,}", "experiments": searched["experiments"], "kept": path != own}
-    return {"target": exhibit.target, **facts, **shown}
-
-
-def _compared(row: pd.Series) -> str:
-    """How much better or worse, in points of a percent, with the simultaneous interval."""
-    difference, low, high = (100.0 * float(row[name]) for name in ("difference", "low", "high"))
-    word = monte_carlo.BETTER if difference > 0.0 else monte_carlo.WORSE
-    ends = (low, high) if difference > 0.0 else (-high, -low)
-    interval = "{:.1f} to {:.1f}".format(*ends).replace("-", _MINUS)
-    return f"{abs(difference):.1f} points {word} than least squares (95 % interval {interval})"
-
-
-def _points(row: Mapping[Hashable, Any]) -> str:
-    """Points of a percent, with the simultaneous interval."""
-    difference, low, high = (100.0 * float(row[name]) for name in ("difference", "low", "high"))
-    return f"{difference:+.2f} points ({low:+.2f} to {high:+.2f})".replace("-", _MINUS)
-
-
-def closing_lines(results: Path, figures: Path, config_files: Sequence[str | Path] = ()) -> list[str]:
-    """Give what a run of every target ends with on the screen; nothing where the ledger was not made."""
-    if not (results / "claims.csv").exists() or not (results / "tables/table10.csv").exists():
-        return []
-    scores = read_csv(results / "tables/table10.csv", ("case", "method", "joint", "total"))
-    lines = ["", "Table 10, simulated arm: similarity in % on ID (both joints), and the mean of T1 to T4"]
-    for method in ("algorithm1", "least-squares", "bounded"):
-        own = scores[scores["method"] == method]
-        on_id, unseen = (100.0 * own[rows]["total"] for rows in (own["case"] == "ID", own["case"] != "ID"))
-        lines.append(f"  {title_of(method):<28}{'  '.join(f'{x:.2f}' for x in on_id)}  {unseen.mean():.2f}")
-    claims = pd.read_csv(results / "claims.csv", keep_default_na=False)
-    numbers = claims.assign(ours=pd.to_numeric(claims["ours"], errors="coerce"))
-    page = results / "report/index.html"
-    overlaid = f" --config {' '.join(map(str, config_files))}" if len(config_files) > 1 else ""
-    check = f"check: .venv/bin/repro verify --results {results}{overlaid}"
-    return [*lines, "", *summary(numbers), "", f"report: {page}", f"figures: {figures}", check]
-
-
 _TEMPLATES = Path(__file__).parent
 
 
@@ -354,6 +282,7 @@ def build_report(inputs: ReportInputs) -> str:
     differing = [claim for claim in claims if claim["verdict"] == DIFFERS]
     causes_by_name = causes()
     of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in causes_by_name}
+    figures = [show(exhibit, inputs) for exhibit in FIGURES]
     text = templates.get_template("report.html").render(
         inputs=inputs,
         style=style,
@@ -364,15 +293,18 @@ def build_report(inputs: ReportInputs) -> str:
         counts=counts[counts.any(axis=1)],
         meanings=VERDICTS,
         methods=[(title_of(name), meaning) for name, meaning in MEANINGS.items()],
-        decided=counts.groupby(lambda verdict: verdict if verdict in _DECIDED else "open").sum(),
+        tested=counts[[str(basis) for basis in EVIDENCE]].sum(axis=1),
         asserted=[claim for claim in claims if claim["asserted"]],
-        answer=answer(inputs),
-        more_guesses=longer_searches(inputs),
+        headline=headline_table(inputs.results),
+        shares=shares(inputs.results),
+        headline_figure=figures[[one.name for one in FIGURES].index(HEADLINE_FIGURE)],
+        answer=answer(inputs.results, inputs.guesses),
+        more_guesses=_longer_searches(inputs),
         differing=[(causes_by_name[name], own) for name, own in of_causes.items() if own],
         audit=[{name: cell for name, cell in row.items() if name != "id"} for row in read_rows(audit_file)],
         audit_links=[link(path, inputs.page) for path in (audit_file, audit_file.with_suffix(".tex")) if path.exists()],
         tables=[show(exhibit, inputs) for exhibit in TABLES],
-        figures=[show(exhibit, inputs) for exhibit in FIGURES],
+        figures=figures,
         targets=TARGETS,
         captures=[
             (path.name, hashlib.sha256(read_bytes(path, "a stored capture")).hexdigest()) for path in inputs.captures
