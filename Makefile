@@ -70,7 +70,7 @@ site: | check-python
 
 # Folders of tests that take long together are left to `make test`.
 check: lint
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow" $(foreach part,api study report project,--ignore tests/$(part))
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile -m "not slow" $(foreach part,studies report project,--ignore tests/$(part))
 
 test: lint
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pytest -n $(CORES) --dist loadfile

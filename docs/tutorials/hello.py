@@ -55,7 +55,8 @@ print((100 * errors["relative_rms"]).round(1).to_list(), "% of joints 1 and 2")
 print(*result.warnings or ["no warnings"], sep="\n")
 
 # %% [markdown]
-# Measured and rebuilt torque of both joints on the fitted log coincide. Below each is the residual:
+# Measured and rebuilt torque of both joints on the fitted log coincide. Below each is the residual. It is smaller
+# than the noise, because `identify` filters the log first:
 
 # %%
 result.plot()

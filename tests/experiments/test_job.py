@@ -103,6 +103,17 @@ def test_locks_of_a_run_are_removed_once_it_and_its_jobs_are_dead(tmp_path):
     assert checkpoint.exists()
 
 
+def test_locks_of_a_run_on_another_host_stay(tmp_path, monkeypatch):
+    half = tmp_path / ".fig-x1.partial.png"
+    share_lock(tmp_path, clear=[tmp_path]).close()
+    half.touch()
+    for host, left in (("other", True), ("other", False)):
+        with monkeypatch.context() as context:
+            context.setattr("socket.gethostname", lambda host=host: host)
+            share_lock(tmp_path, clear=[tmp_path]).close()
+        assert half.exists() == left
+
+
 def test_what_the_user_has_set_of_the_allocator_stays():
     environment = {"MALLOC_TOP_PAD_": "5"}
     set_allocator(environment)

@@ -235,13 +235,17 @@ def test_no_job_depends_on_the_folder_of_its_configuration(tmp_path):
 STAGES = {"prepare": 0, "train": 1, "identify": 2, "evaluate": 3}
 
 
-def test_a_dry_run_needs_no_home(tmp_path):
+def test_a_dry_run_needs_no_home_and_removes_nothing(tmp_path):
     folder = project(tmp_path)
+    half = folder / "results/.claims-x1.partial.csv"
+    half.parent.mkdir()
+    half.touch()
     command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--dry-run", "table01"]
     environment = os.environ | {"HOME": "/proc", "XDG_CACHE_HOME": "/proc/cache"}  # where not even root can write
     run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert "draw_schematics_diagrams" in run.stdout + run.stderr
+    assert half.exists()
 
 
 def test_what_shares_a_job_of_the_cluster_can_run_in_one(full, working):

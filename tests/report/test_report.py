@@ -130,7 +130,7 @@ def test_the_headline_of_the_run_stands_first(inputs, page):
 def test_results_come_before_settings(text):
     rows = re.findall(r'<tr id="claim-[^"]+".*?data-basis="([^"]+)"', text)
     assert list(dict.fromkeys(rows))[:2] == ["numeric", "simulated arm"]
-    assert rows == sorted(rows, key=[*Basis].index)
+    assert rows == sorted(rows, key=[*Basis, "extension"].index)
 
 
 def test_results_made_on_request_are_shown_as_kept_ones(inputs):

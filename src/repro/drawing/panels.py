@@ -104,9 +104,10 @@ Compared = Mapping[str, Points]
 def _plot_lines(axes: Axes, series: Compared) -> None:
     """Draw curves, thin and dark, over their reference, wide and light."""
     plot_panel(axes, series)
-    turns = np.count_nonzero(np.diff(np.sign(np.diff(axes.lines[-1].get_ydata()))))
-    if len(series) == 2 and turns > 40:  # dashes would look like stripes
-        axes.lines[-1].set_linestyle("-")
+    for name, line in zip(series, axes.lines, strict=True):
+        turns = np.count_nonzero(np.diff(np.sign(np.diff(line.get_ydata()))))
+        if name == "rebuilt" and turns > 40:  # dashes would look like stripes
+            line.set_linestyle("-")
 
 
 def _plot_stems(axes: Axes, series: Compared) -> None:

@@ -91,6 +91,8 @@ _DASH_DOT, _SHORT, _DASHED = (6.0, 1.2, 1.2, 1.2), (2.0, 1.2), (3.5, 2.5)
 METHODS: Final = {
     "algorithm1": Appearance("Algorithm 1", "#5ab8ea", _DASH_DOT, 1.1, "o", 3.4),
     "algorithm1/one-run": Appearance("Algorithm 1, one run", "#5ab8ea", _SHORT, 1.1, "d", 3.4),
+    "least-squares": Appearance("Least squares", "#d1490a", _DASHED, 1.1, "x", 3.4),
+    "bounded": Appearance("Nonnegative least squares", "#e7a03c", (8.0, 2.0), 1.1, "<", 3.4),
     "algorithm1+desired": Appearance("Algorithm 1, desired motion", "#3b7dbd", _SHORT, 1.0, "*", 4.2),
     "algorithm1+tracked-measured": Appearance("Algorithm 1, closed loop", "#c080c4", _SHORT, 1.0, "P", 3.6),
     "algorithm1+tracked": Appearance("Algorithm 1, both extensions", "#8a3a8f", _DASH_DOT, 1.1, "p", 3.6),
@@ -102,8 +104,6 @@ METHODS: Final = {
     "algorithm1+paper-recipe-ranges": Appearance(
         "Algorithm 1, trained as printed", "#999933", _DASH_DOT, 1.1, "H", 3.4
     ),
-    "least-squares": Appearance("Least squares", "#d1490a", _DASHED, 1.1, "x", 3.4),
-    "bounded": Appearance("Nonnegative least squares", "#e7a03c", (8.0, 2.0), 1.1, "<", 3.4),
     "consistent": Appearance("Consistent least squares", "#7a2a00", (1.5, 1.0), 1.1, ">", 3.4),
     "true": Appearance("True parameters", "0.0", (1.0, 2.0), 1.1, "+", 4.0),
     "appendix": Appearance("True, without back-EMF", "0.45", (1.0, 2.0), 1.1, "1", 4.0),
@@ -143,6 +143,7 @@ _SERIES = {
     "joint2": Appearance("Joint 2", "#e08a00", (4.5, 1.5), 1.2),
     "actual": Appearance("Actual", "#79bde8", (), 2.0),
     "rebuilt": Appearance("Rebuilt from the identified parameters", "#8c1d04", (3.5, 1.5), 0.8, "o", 2.2),
+    "difference": Appearance("Difference", "#e08a00", (), 0.8),
     "train": Appearance("Training", "#79bde8", (), 1.2),
     "test": Appearance("Test", "#8c1d04", (3.5, 1.5), 1.0),
     "median": Appearance("Median", "#00304d", (), 1.2),

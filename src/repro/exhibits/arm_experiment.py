@@ -262,9 +262,9 @@ def fig22(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 
 @_figure(f"Torques of {SPAN}", partial(_compare, titles=_VALIDATION, by_row=True), inputs=("validation", "arm"))
 def fig23(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of Algorithm 1
-    as listed and of least squares (Fig. 23): one run, the one with the median similarity on ID. Each motion has its own
-    time axis.
+    """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of Algorithm 1 as
+    listed and of least squares (Fig. 23): one run, the one with the median similarity on ID. Its similarities are the
+    rows "Algorithm 1, one run" of Table 10. Each motion has its own time axis.
     """
     return long_table(_torques(inputs, config))
 

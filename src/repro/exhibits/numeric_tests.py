@@ -181,7 +181,7 @@ def table07(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 def _torques(
     inputs: Inputs, config: Configuration, trajectory: str, cases: Sequence[str], in_frequency: bool = False
 ) -> pd.DataFrame:
-    """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed."""
+    """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed; over time with their difference."""
     signals, method = config.signals, "algorithm1"
     chosen = median_seeds(read_scores(inputs["scores"]))
     runs = {run["seed"]: run["arms"] for run in read_identifications(inputs["identifications"])}
@@ -193,10 +193,14 @@ def _torques(
         arm = runs[seed][case]
         series = {"actual": arm["true"], "rebuilt": arm["methods"][method]["beta"]}
         for j in (0, 1):
-            for name, beta in series.items():
-                tau = rebuild_torque(y, np.array(beta))[j]
-                x = np.arange(tau.size) / (2 * tau.size * signals.sampling_period_s) if in_frequency else motion.time
-                parts.append((f"{case}/joint{j + 1}", name, x, spectrum(tau) if in_frequency else tau))
+            panel = f"{case}/joint{j + 1}"
+            torques = {name: rebuild_torque(y, np.array(beta))[j] for name, beta in series.items()}
+            if in_frequency:
+                x = np.arange(motion.time.size) / (2 * motion.time.size * signals.sampling_period_s)
+                parts += [(panel, name, x, spectrum(tau)) for name, tau in torques.items()]
+            else:
+                torques["difference"] = torques["actual"] - torques["rebuilt"]
+                parts += [(panel, name, motion.time, tau) for name, tau in torques.items()]
     return panels.long_table(parts)
 
 
@@ -214,16 +218,16 @@ def _torque_figure(
 
 @_torque_figure("Torques of N1 and N2", "Numeric results", ("N1", "N2"))
 def fig12(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques of N1 and N2 and their rebuilding from the parameters that Algorithm 1 identified,
-    median seed (Fig. 12).
+    """Torques of N1 and N2, their rebuilding from the parameters that Algorithm 1 identified, and the difference of
+    both, median seed (Fig. 12).
     """
     return _torques(inputs, config, "ID", ("N1", "N2"))
 
 
 @_torque_figure("Torques of N3 and N4", "Numeric results", ("N3", "N4"))
 def fig13(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques of N3 and N4 and their rebuilding from the parameters that Algorithm 1 identified,
-    median seed (Fig. 13).
+    """Torques of N3 and N4, their rebuilding from the parameters that Algorithm 1 identified, and the difference of
+    both, median seed (Fig. 13).
     """
     return _torques(inputs, config, "ID", ("N3", "N4"))
 
@@ -236,7 +240,9 @@ def fig14(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 
 @_torque_figure("Validation torques", "Numeric validation", _ALL, trained="all")
 def fig15(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques on the random validation trajectory and their rebuilding, median seed (Fig. 15)."""
+    """Torques on the random validation trajectory, their rebuilding, and the difference of both, median seed (Fig.
+    15).
+    """
     return _torques(inputs, config, "validation", _ALL)
 
 

@@ -77,7 +77,7 @@ def similarities(frame: pd.DataFrame, cases: Sequence[str], of_what: str) -> Tab
         if (frame["seeds"] == 1).any():
             of_seeds += " All cells of a block without ± have the same seed."
     caption = f"Similarity (%) of the torques rebuilt {of_what}: {of_seeds} {key_to(methods_of(frame))}"
-    return Table(plain(caption.strip()), "l" + "r" * len(cases), [plain("metr2ev (%)"), *map(plain, cases)], blocks)
+    return Table(plain(caption.strip()), "l" + "r" * len(cases), [plain("Similarity (%)"), *map(plain, cases)], blocks)
 
 
 def percent_interval(row: Mapping[Hashable, Any]) -> Text:

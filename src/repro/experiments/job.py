@@ -5,6 +5,7 @@ import fcntl
 import logging
 import os
 import shutil
+import socket
 import sys
 from collections.abc import Collection, Iterator, MutableMapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -24,11 +25,12 @@ def share_lock(state: Path = STATE, clear: Collection[Path] = ()) -> TextIO:
     """Hold the folder's lock, which runs and jobs share, until the file is closed or the process ends.
 
     If folders to `clear` are given and nobody else holds the lock, an earlier run was killed: Snakemake's own locks are
-    removed, and files half written in these folders. Where nothing can be written, the process ends with one line.
+    removed, and files half written in these folders. Not if that run was on another host, whose lock may be invisible
+    here. Where nothing can be written, the process ends with one line.
     """
     try:
         state.mkdir(exist_ok=True)
-        file = (state / "run.lock").open("a")
+        file = (state / "run.lock").open("a+")
         if clear and shutil.disk_usage(state).free < MIN_FREE_SPACE:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except OSError as error:
@@ -38,15 +40,25 @@ def share_lock(state: Path = STATE, clear: Collection[Path] = ()) -> TextIO:
     try:
         if clear:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            shutil.rmtree(state / "locks", ignore_errors=True)
-            for folder in clear:
-                remove_partial_files(folder)
+            if _last_host(file) in ("", socket.gethostname()):
+                shutil.rmtree(state / "locks", ignore_errors=True)
+                for folder in clear:
+                    remove_partial_files(folder)
+            file.truncate(0)
+            file.write(socket.gethostname())
+            file.flush()
         fcntl.flock(file, fcntl.LOCK_SH)
     except BlockingIOError:
         fcntl.flock(file, fcntl.LOCK_SH)
     except OSError:
         pass  # a file system without locks: there a killed run needs snakemake --unlock
     return file
+
+
+def _last_host(lock: TextIO) -> str:
+    """Name of the host of the last run that held the lock alone; empty if none did."""
+    lock.seek(0)
+    return lock.read().strip()
 
 
 def _is_relevant(record: logging.LogRecord) -> bool:

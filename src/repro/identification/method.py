@@ -32,7 +32,7 @@ NETWORKS = ("algorithm1", "algorithm1+refinement")
 GROUPS = {"all": (*LEAST_SQUARES, *NETWORKS), "least-squares": LEAST_SQUARES}  # names that stand for several methods
 #: Baselines of Algorithm 1 in the tables, with the name of the method of least squares.
 BASELINES = {"least-squares": "ordinary", "bounded": "bounded", "consistent": "consistent"}
-#: Methods of the paper's tables, in the order of tables and legends; the first is the paper's as listed.
+#: Methods of the paper's tables, in the order of rows in their files; the first is the paper's as listed.
 TABLE_METHODS = (
     "algorithm1",
     "algorithm1/one-run",

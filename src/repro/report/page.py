@@ -210,19 +210,21 @@ def read_claims(path: Path) -> list[dict[str, Any]]:
         {
             **row,
             **_cells(row, published[number].relation if number in published else ""),
-            "label": _label(published[number]) if number in published else row["quantity"],
-            "extension": EXTENSION in row["id"],
+            "label": _label(published[number], extension) if number in published else row["quantity"],
+            "extension": extension,
+            "shown_basis": "extension" if extension else row["basis"],
             "satisfied": row["id"] not in lost,
         }
         for row in rows
-        for number in [row["id"].partition(EXTENSION)[0]]
+        for number, _, extension in [row["id"].partition(EXTENSION)]
     ]
 
 
-def _label(number: PublishedValue) -> str:
-    """What a published number is of: parameter or quantity, case, joint and method."""
+def _label(number: PublishedValue, extension: str) -> str:
+    """What a published number is of, or the extension that is compared with it: quantity, case, joint and method."""
+    method = f"{number.method}+{extension}" if extension else number.method
     parts = [number.parameter or number.quantity, f"of {number.case}" if number.case else ""]
-    parts += [f"joint {number.joint}" if number.joint else "", title_of(number.method)]
+    parts += [f"joint {number.joint}" if number.joint else "", title_of(method)]
     return ", ".join(part for part in (" ".join(filter(None, parts[:2])), *parts[2:]) if part)
 
 
@@ -271,8 +273,8 @@ def _within_a_sentence(title: str) -> str:
 def build_report(inputs: ReportInputs) -> str:
     """Lay out the report."""
     ledger_file, audit_file = inputs.results / "claims.csv", inputs.results / "tables" / "audit.csv"
-    order = {str(basis): place for place, basis in enumerate(Basis)}
-    claims = sorted(read_claims(ledger_file), key=lambda claim: order[claim["basis"]])  # results before settings
+    order = [*map(str, Basis), "extension"]  # results before settings
+    claims = sorted(read_claims(ledger_file), key=lambda claim: order.index(claim["shown_basis"]))
     counts = by_basis(pd.DataFrame(claims, columns=list(COLUMNS)))
     style, script = (Markup((_TEMPLATES / name).read_text("utf-8")) for name in ("report.css", "report.js"))
     templates = environment(_TEMPLATES)
