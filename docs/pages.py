@@ -146,7 +146,7 @@ def headline() -> str:
         rows.append([label, *map(percent, own.loc[key]), targets])
     several = pd.read_csv(NETWORKS).set_index("training").agg(["min", "max"]).mul(100.0)
     ranges = [f"{low:.1f} to {high:.1f}" for low, high in several.T.to_numpy()]
-    rows.insert(2, ["Algorithm 1, seven networks", *ranges, ""])
+    rows.insert(2, ["Algorithm 1, twelve networks", *ranges, ""])
     return markdown(["", *own, "target"], rows)
 
 
