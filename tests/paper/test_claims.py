@@ -105,6 +105,22 @@ def test_each_verdict_at_its_edge(number, side, verdict):
 
 
 @pytest.mark.parametrize(
+    ("value", "cap", "others", "note"),
+    [
+        (97.4, 0.1, (), "our runs scatter too widely"),
+        (99.9, 0.1, (), "outside but better, and our runs scatter too widely"),
+        (97.4, math.inf, (97.5,), "another case would match too"),
+        (97.4, math.inf, (90.0,), ""),
+    ],
+)
+def test_a_note_says_why_a_number_is_inconclusive(value, cap, others, note):
+    side = ours(value, 0.2, 5, cap=cap, better=higher, note="mean of 8")
+    row = judge(printed(), side, others)
+    assert row["note"] == "; ".join(filter(None, (note, "mean of 8")))
+    assert (row["verdict"] == "inconclusive") == bool(note)
+
+
+@pytest.mark.parametrize(
     ("basis", "others", "verdict"),
     [
         (Basis.NUMERIC, (95.0, 97.61), "reproduced"),

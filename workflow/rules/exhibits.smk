@@ -17,7 +17,7 @@ SOURCES = {
     "headline": {
         "captures": captures(PROGRAMS),
         "arm": experiment_identifications(),
-        "numeric": identifications(SUFFIXES),
+        "numeric": [*identifications(SUFFIXES), NUMERIC_LEAST_SQUARES],
     },
     "spread": {"scores": f"{RESULTS}/accepted/methods.csv"},
     "coverage": {name: f"{RESULTS}/coverage/{name}.csv" for name in ("coverage", "ranks", "intervals")},

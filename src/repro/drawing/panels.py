@@ -25,6 +25,11 @@ JOINTS = ("joint1", "joint2")
 MOTION = {"position": "Position (rad)", "velocity": "Velocity (rad/s)", "acceleration": "Acceleration (rad/s²)"}
 
 
+def similarity_of(panel: str) -> str:
+    """Panel of a long table that has the similarities of the series of another panel, fractions at x = 0."""
+    return f"similarity of {panel}"
+
+
 def long_table(parts: Iterable[Curve]) -> pd.DataFrame:
     """Tidy table of curves: columns ``panel, series, x, y``."""
     frames = [pd.DataFrame({"panel": p, "series": s, "x": x, "y": y}) for p, s, x, y in parts]
@@ -162,7 +167,8 @@ def compare(
     grid = whole.subplots(rows, 2, sharex="row" if by_row else "all", squeeze=False, gridspec_kw={"wspace": 0.04})
     for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
         plot(axes, curves[panel])
-        axes.set(title=title, ylabel=labels[1])
+        totals = [f"{100.0 * float(y[0]):.0f}" for _, y in curves.get(similarity_of(panel), {}).values()]
+        axes.set(title=f"{title} ({' and '.join(totals)} %)" if totals else title, ylabel=labels[1])
     for axes in grid[-1]:
         axes.set_xlabel(labels[0])
     whole.align_ylabels()

@@ -73,7 +73,7 @@ def why_layout(frame: pd.DataFrame) -> Table:
     seeds = int(frame["seeds"].min())
     caption = plain(
         "Algorithm 1 on the simulated arm with the motions of the training and the motion of line 18 crossed: mean "
-        f"over {seeds} seeds of guesses ± their standard deviation, one network for each kind of training."
+        f"over {seeds} seeds of guesses ± their standard deviation (Table 10: median), one network for each training."
     )
     header = [*map(plain, ("Trained on", "f of line 18 on", *RESPONSES.values()))]
     return Table(caption, "llrr", header, blocks)

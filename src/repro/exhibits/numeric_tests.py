@@ -108,7 +108,8 @@ def draw_subsampling(frame: pd.DataFrame) -> Figure:
 @figure("Subsampling technique", draw_subsampling, category="Signals", sections=_NUMERIC)
 def fig05(_: Inputs, config: Configuration) -> pd.DataFrame:
     """Subsampling with the DCT-II: the torque of joint 1 of arm N1 on the identification trajectory, its spectrum cut
-    to 100 bands, and the subsampled torque (Fig. 5 of the paper).
+    to 100 bands, and the subsampled torque (Fig. 5 of the paper). The view of the spectrum ends with half as many
+    dropped bands as are kept.
     """
     signals = config.signals
     motion = identification_trajectory(signals.duration_s, signals.sampling_period_s)

@@ -236,14 +236,8 @@ def accepted_cells(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 
 #: The method in the figure, and what a row of its numbers is of.
 SEARCHED = "algorithm1"
+PRINTED = f"published/{SEARCHED}"
 EACH, MEDIAN = "experiment", "median"
-
-
-#: Published levels by the method.
-_PUBLISHED: dict[str, dict[str, Any]] = {
-    "algorithm1": {"label": "Published, Algorithm 1", "color": style.INK, "lw": 1.4},
-    "least-squares": {"label": "Published, least squares", "color": style.INK, "lw": 1.0, "ls": ":"},
-}
 
 
 def draw_guesses(frame: pd.DataFrame) -> Figure:
@@ -261,14 +255,14 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
                 (of_all, "-", "Single experiments"),
                 (further, ":", "Some of them, one run each"),
             ):
-                shown = {"color": "0.75", "ls": dashes, "lw": 0.7, "label": "" if place else label}
-                axes.plot(line["guesses"][rows], 100.0 * line["total"][rows], **shown)
+                shown = {"color": "0.7" if dashes == "-" else "0.4", "ls": dashes, "lw": 0.7}
+                axes.plot(line["guesses"][rows], 100.0 * line["total"][rows], label="" if place else label, **shown)
         label = f"{name}, median of {median['experiments'].max():.0f}"
         axes.plot(median["guesses"], 100.0 * median["total"], label=label, **look, **style.MARKS[SEARCHED])
         level = 100.0 * own[MEDIAN, "least-squares"]["total"].iloc[0]
         axes.axhline(level, label=style.SERIES_LABELS["least-squares"], **style.STROKES["least-squares"])
-        for method, printed in _PUBLISHED.items():
-            axes.axhline(100.0 * own[MEDIAN, f"published/{method}"]["total"].iloc[0], **printed)
+        printed = 100.0 * own[MEDIAN, PRINTED]["total"].iloc[0]
+        axes.axhline(printed, label="Published, Algorithm 1", color=style.INK, lw=1.4)
         axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(lowest, 100.0))
     panels[0].set_ylabel("Total similarity (%)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
@@ -287,17 +281,16 @@ def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
     """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
     that the printed numbers do not rule out (thin lines, median of five runs) and their median, up to the most guesses
     that all have. Those that fit the printed numbers best were searched with more guesses, in one run each (dotted).
-    The levels are those of least squares over the same experiments, and the published ones. The paper does not print
+    The levels are that of least squares over the same experiments, and the published one. The paper does not print
     how many guesses it used. The vertical axes differ.
     """
     scores = _scores(inputs)
     scores = scores[~scores["method"].str.startswith(f"{SEARCHED}+")]
     each = _means(by_experiment(scores))
     printed = [
-        {"method": f"published/{method}", "case": case, "guesses": 0, "of": MEDIAN, "total": total}
-        for method in _PUBLISHED
+        {"method": PRINTED, "case": case, "guesses": 0, "of": MEDIAN, "total": total}
         for case, joints in (("ID", (1, 2)), (MEAN, (0,)))
-        for total in [float(np.mean([_published(method, case, joint) for joint in joints]))]
+        for total in [float(np.mean([_published(SEARCHED, case, joint) for joint in joints]))]
     ]
     return pd.concat([medians(each), pd.DataFrame(printed)], ignore_index=True)
 

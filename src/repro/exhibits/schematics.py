@@ -260,9 +260,10 @@ def fig03(_: Inputs, __: Configuration) -> pd.DataFrame:
 @_figure("Identification method", partial(draw_diagram, name="fig04"))
 def fig04(_: Inputs, __: Configuration) -> pd.DataFrame:
     """General diagram of the identification method with its nine steps. The paper's own picture (Fig. 4) is not
-    available to us: redrawn from Section IV; the way back from the decision to a new guess is that of Algorithm 1. The
-    threshold u of the similarity is 92.37 %. Algorithm 1 goes through the loop 100 times and returns the best set; step
-    9 brings it from units of the largest torque to those of the arm.
+    available to us: redrawn from Section IV; the way back from the decision to a new guess is that of Algorithm 1. In
+    each of 100 executions Algorithm 1 repeats it until the similarity is above the threshold u of 92.37 %, or a limit
+    of guesses is reached, and it returns the best set. Step 9 brings this set from units of the largest torque to those
+    of the arm.
     """
     return words("fig04")
 

@@ -19,7 +19,7 @@ _MEANS = ("N1-N4, ID", "N1-N4, validation", "ID, joint 1", "ID, joint 2", "T1 to
     layout(
         "The same estimates under both time factors of metr2ev: mean totals of N1 to N4 on the identification and the "
         "validation trajectory, totals of the simulated arm on ID and their mean over T1 to T4, and the mean frequency "
-        "factor, which both share; medians over the seeds, %. Methods without a network have no numeric tests here.",
+        "factor, which both share; medians over the seeds, %. Methods of the arm alone have no numeric tests.",
         ("Time factor", "l", lambda row: plain(_FORMULAS[row["formula"]])),
         *several(_MEANS, summary.BOTH_METRICS[2:], 2, 100.0),
         blocks=by_method,

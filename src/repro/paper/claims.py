@@ -117,33 +117,41 @@ def _tolerance(printed: PublishedValue, ours: OurValue) -> tuple[float, str]:
     return interval, "95 % prediction interval" if interval > step else "print precision"
 
 
-def _verdict(printed: PublishedValue, ours: OurValue, basis: Basis, tolerance: float, others: Iterable[float]) -> str:
+#: Why a number is inconclusive: the note of its row.
+_BOUNDS_ONLY, _SCATTER_TOO_WIDE = "of ours only bounds are known", "our runs scatter too widely"
+_BETTER_BUT_WIDE, _OTHERS_MATCH = "outside but better, and our runs scatter too widely", "another case would match too"
+
+
+def _verdict(
+    printed: PublishedValue, ours: OurValue, basis: Basis, tolerance: float, others: Iterable[float]
+) -> tuple[str, str]:
+    """Verdict, and why it is inconclusive."""
     difference = ours.value - printed.value
     if ours.unused:
-        return NOT_RUN
+        return NOT_RUN, ""
     if ours.contradicts and abs(difference) <= ours.contradiction * (1.0 + _ROUNDING):
-        return CONTRADICTS
+        return CONTRADICTS, ""
     slack = tolerance + _ROUNDING * abs(printed.value)
     wide = ours.bounds > 0.0 or (not ours.strict and _scatter(ours) > ours.cap)
     stated = {"above": difference > 0, "below": difference < 0}.get(printed.relation, False)
-    if abs(difference) <= slack or stated:
-        blind = any(min(abs(other - printed.value), abs(other - ours.value)) <= slack for other in others)
-        return INCONCLUSIVE if wide or (blind and basis in EVIDENCE) else REPRODUCED
-    if ours.better is None or not ours.better(printed.value, ours.value):
-        return DIFFERS
+    compatible = abs(difference) <= slack or stated
+    if not compatible and (ours.better is None or not ours.better(printed.value, ours.value)):
+        return DIFFERS, ""
     if wide:
-        return INCONCLUSIVE
-    # On another arm an easier one explains it as well as a better method.
-    return BETTER if basis is Basis.NUMERIC else NOT_COMPARABLE
+        return INCONCLUSIVE, _BOUNDS_ONLY if ours.bounds else _SCATTER_TOO_WIDE if compatible else _BETTER_BUT_WIDE
+    if not compatible:  # on another arm an easier one explains it as well as a better method
+        return BETTER if basis is Basis.NUMERIC else NOT_COMPARABLE, ""
+    blind = any(min(abs(other - printed.value), abs(other - ours.value)) <= slack for other in others)
+    return (INCONCLUSIVE, _OTHERS_MATCH) if blind and basis in EVIDENCE else (REPRODUCED, "")
 
 
 def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ()) -> dict[str, object]:
     """One row of the ledger; `others` are the published values of the same quantity for other cases."""
     basis = ours.basis or _OF_KIND.get(printed.kind, Basis.HARDWARE)
-    (tolerance, tolerance_from), verdict = (math.nan, ""), CONTRADICTS if ours.contradicts else HARDWARE
+    (tolerance, tolerance_from), verdict, why = (math.nan, ""), CONTRADICTS if ours.contradicts else HARDWARE, ""
     if not math.isnan(ours.value):
         tolerance, tolerance_from = _tolerance(printed, ours)
-        verdict = _verdict(printed, ours, basis, tolerance, others)
+        verdict, why = _verdict(printed, ours, basis, tolerance, others)
     return {
         "id": printed.id, "place": printed.place, "quantity": printed.quantity, "unit": printed.unit,
         "kind": printed.kind, "basis": str(basis), "published": printed.printed,
@@ -151,7 +159,7 @@ def judge(printed: PublishedValue, ours: OurValue, others: Iterable[float] = ())
         "tolerance": tolerance, "tolerance_from": tolerance_from, "verdict": verdict,
         "must": ours.asserted in (REPRODUCED, NOT_REFUTED), "asserted": ours.asserted,
         "cause": ours.cause if verdict == DIFFERS else "", "target": ours.target,
-        "note": "; ".join(part for part in (ours.contradicts, ours.note) if part),
+        "note": "; ".join(part for part in (why, ours.contradicts, ours.note) if part),
     }  # fmt: skip
 
 

@@ -26,7 +26,7 @@ COLUMNS: Final = {
     f"arm, {SPAN}": ("table10", tuple(VALIDATION)),
 }
 #: Methods of the headline, and published rows, each before the method that it is compared with.
-METHODS: Final = ("algorithm1", "least-squares", "bounded")
+METHODS: Final = ("algorithm1", "least-squares", "bounded", "differential-evolution", "true")
 PRINTED: Final = {"algorithm1": "Published, Algorithm 1", "least-squares": "Published, least squares"}
 #: Mean total of N1 to N4 that the abstract prints; the cells of Table 6 are lost.
 _ABSTRACT = "abstract/numeric/total"
@@ -115,6 +115,20 @@ def answer(results: Path, guesses: int) -> Answer:
     why += f", with one run of at most {guesses:,} guesses each, Algorithm 1 as listed is {_compared(row)} on {SPAN}."
     titles = {name: table[name].map(title_of) for name in ("method", "opponent")}
     return Answer(_WORDS[row["conclusion"]], why, table.assign(**titles).to_dict("records"))
+
+
+def lowest_cells(results: Path, method: str = "algorithm1") -> int:
+    """How many cells of the new motions of the arm have the lowest similarity, 0."""
+    column = [*COLUMNS][-1]
+    scores = read_csv(results / "tables" / f"{COLUMNS[column][0]}.csv", ("case", "method", "joint", "total"))
+    own = scores[(scores["method"] == method) & scores["case"].isin(COLUMNS[column][1])]
+    return int((own["total"] == 0.0).sum())
+
+
+def trained_as_printed(recipe: Path) -> str:
+    """Mean total of N1 to N4 in %, by a network that is trained as the paper prints: from its table."""
+    scores = read_csv(recipe, ("case", "method", "joint", "total"))
+    return _percent(means(scores, next(iter(COLUMNS)))["algorithm1+paper-recipe-ranges"])
 
 
 def longer_searches(accepted: Path) -> dict[str, str]:

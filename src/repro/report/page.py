@@ -4,7 +4,7 @@ import hashlib
 import os
 import platform
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -38,7 +38,14 @@ from repro.paper.claims import (
 )
 from repro.paper.published import PublishedValue, load_published, similarity_cells
 from repro.provenance import commit, package_versions
-from repro.report.headline import answer, headline_table, longer_searches, shares
+from repro.report.headline import (
+    answer,
+    headline_table,
+    longer_searches,
+    lowest_cells,
+    shares,
+    trained_as_printed,
+)
 
 #: Shown with the headline: Algorithm 1 as listed next to least squares, over the number of guesses.
 HEADLINE_FIGURE = "guesses"
@@ -63,6 +70,11 @@ class ReportInputs:
     def page(self) -> Path:
         """Where the report goes; links to files beside it start there."""
         return self.results / "report" / "index.html"
+
+    @property
+    def shown_results(self) -> str:
+        """Results folder as a command names it, wherever the checkout lies."""
+        return self.results.name if self.results.is_absolute() else self.results.as_posix()
 
     def link_to(self, page: str) -> str:
         """Way from the report to a page of docs/ and its anchor; empty if the pages are not there."""
@@ -122,12 +134,12 @@ def show(exhibit: Exhibit, inputs: ReportInputs) -> dict[str, object]:
     return {"exhibit": exhibit, "links": links, "missing": missing, "kept": kept is not None, **shown}
 
 
-def _longer_searches(inputs: ReportInputs) -> dict[str, object]:
-    """What more guesses give over the accepted experiments: of this run, or of a kept one, or nothing."""
-    (exhibit,) = (one for one in TABLES if one.name == "accepted")
+def _on_request(name: str, inputs: ReportInputs, read: Callable[[Path], object]) -> dict[str, object]:
+    """What is read from a table that is made on request, of this run or of a kept one; nothing where it is missing."""
+    (exhibit,) = (one for one in TABLES if one.name == name)
     own = _files(exhibit, inputs.results, inputs.figures)[0]
     path = own if own.exists() else inputs.kept(exhibit)
-    return {} if path is None else {"target": exhibit.target, "kept": path != own, **longer_searches(path)}
+    return {} if path is None else {"target": exhibit.target, "kept": path != own, "found": read(path)}
 
 
 def _drawn(exhibit: Exhibit, numbers: Path) -> Picture:
@@ -282,6 +294,7 @@ def build_report(inputs: ReportInputs) -> str:
     templates.filters["minus"] = partial(_HYPHEN.sub, _MINUS)
     templates.filters["lower_first"] = _within_a_sentence
     differing = [claim for claim in claims if claim["verdict"] == DIFFERS]
+    tested = [str(basis) for basis in EVIDENCE]
     causes_by_name = causes()
     of_causes = {name: [claim for claim in differing if claim["cause"] == name] for name in causes_by_name}
     figures = [show(exhibit, inputs) for exhibit in FIGURES]
@@ -295,14 +308,21 @@ def build_report(inputs: ReportInputs) -> str:
         counts=counts[counts.any(axis=1)],
         meanings=VERDICTS,
         methods=[(title_of(name), meaning) for name, meaning in MEANINGS.items()],
-        tested=counts[[str(basis) for basis in EVIDENCE]].sum(axis=1),
+        tested=counts[tested].sum(axis=1),
         asserted=[claim for claim in claims if claim["asserted"]],
         headline=headline_table(inputs.results),
         shares=shares(inputs.results),
         headline_figure=figures[[one.name for one in FIGURES].index(HEADLINE_FIGURE)],
         answer=answer(inputs.results, inputs.guesses),
-        more_guesses=_longer_searches(inputs),
+        more_guesses=_on_request("accepted", inputs, longer_searches),
+        as_printed=_on_request("paper_recipe", inputs, trained_as_printed),
+        lowest_cells=lowest_cells(inputs.results),
         differing=[(causes_by_name[name], own) for name, own in of_causes.items() if own],
+        differing_of_tested=[
+            (causes_by_name[name], len(found))
+            for name, own in of_causes.items()
+            if (found := [claim for claim in own if claim["shown_basis"] in tested])
+        ],
         audit=[{name: cell for name, cell in row.items() if name != "id"} for row in read_rows(audit_file)],
         audit_links=[link(path, inputs.page) for path in (audit_file, audit_file.with_suffix(".tex")) if path.exists()],
         tables=[show(exhibit, inputs) for exhibit in TABLES],
