@@ -162,6 +162,8 @@ ESTIMATES = {
 
 #: RMS of the acceleration of T2 and T3 over that of ID, by joint, on the arm of the tables.
 RECORDED = read_recordings([ROOT / f"data/captures/{motion}.bin" for motion in ("ID", "T2", "T3")], CONFIG)
+#: Root mean square of the arm's true parameters, in units of the largest torque of ID.
+SIZE = np.sqrt(np.mean(np.square(CONFIG.arm.parameters))) / abs(RECORDED[0].regression(CONFIG.signals).tau).max()
 ACCELERATION = [np.sqrt(np.mean(one.regression(CONFIG.signals).ddq ** 2, axis=1)) for one in RECORDED]
 FASTER = np.array(ACCELERATION[1:]) / ACCELERATION[0]
 
@@ -199,7 +201,7 @@ PHRASES = [
     ),
     (
         "README.md",
-        "[Twelve networks](docs/numbers.md#how-networks-scatter) have {:.1f} to {:.1f} %",
+        "[Twelve networks](docs/numbers.md#how-networks-scatter) have medians of {:.1f} to {:.1f} %",
         100 * NETWORKS["numeric_id"].agg(["min", "max"]),
     ),
     ("README.md", "The test is easy: least squares has {:.2f} %", [NUMERIC["least-squares"]]),
@@ -220,9 +222,10 @@ PHRASES = [
     ),
     (
         "README.md",
-        "a typical estimate is off by {:.1f} ([example](docs/reference/tutorials/one-guess.md#many-guesses)). "
-        "Of all estimates {:.0f} % are rejected",
-        [ESTIMATES["random"][0], 100 - ESTIMATES["random"][1]],
+        "A typical estimate is off by {:.1f}, twice the size of the true parameters, {:.2f} "
+        "([example](docs/reference/tutorials/one-guess.md#many-guesses), root mean square, scaled by the largest "
+        "torque). Of all estimates {:.0f} % are rejected",
+        [ESTIMATES["random"][0], SIZE, 100 - ESTIMATES["random"][1]],
     ),
     (EXPERIMENT, "the true share is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
     (

@@ -153,6 +153,7 @@ def compare(
     by_row: bool = False,  # whether the axes end where each row does
     legend_title: str | None = None,
     figure: FigureBase | None = None,
+    end: float | None = None,  # of the view of torques, s
 ) -> Figure:
     """Draw torques over time, or their spectra, two panels in a row, on a page-wide figure or in this one."""
     rows = ceil(len(titles) / 2)
@@ -164,6 +165,10 @@ def compare(
         labels = ("Frequency (Hz)", COEFFICIENT)
         if max(x.size for series in curves.values() for x, _ in series.values()) <= 90:  # room for stems and marks
             plot = _plot_stems
+    elif end is not None:
+        last = max(float(x[-1]) for panel in names for x, _ in curves[panel].values())
+        seen = {panel: {name: (x[x <= end], y[x <= end]) for name, (x, y) in curves[panel].items()} for panel in names}
+        curves, note = {**curves, **seen}, f"Not shown: {end:g} to {last:.0f} s."
     grid = whole.subplots(rows, 2, sharex="row" if by_row else "all", squeeze=False, gridspec_kw={"wspace": 0.04})
     for axes, (panel, title) in zip(grid.flat, titles.items(), strict=True):
         plot(axes, curves[panel])

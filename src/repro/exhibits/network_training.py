@@ -258,8 +258,9 @@ def fig09(_: Inputs, config: Configuration) -> pd.DataFrame:
     trained="all",
 )
 def fig10(inputs: Inputs, _: Configuration) -> pd.DataFrame:
-    """Training and held-out loss of our training, which draws new images at every step (Fig. 10). The paper trains by
-    500,000 iterations on fixed images, to a loss of about 0.001; the figure of its training is separate.
+    """Training and held-out loss of our training, which draws new images at every step (Fig. 10). The training loss is
+    a mean over the steps since the last point, so it lags behind. The paper trains by 500,000 iterations on fixed
+    images, to a loss of about 0.001; the figure of its training is separate.
     """
     history = read_csv(inputs["history"][0], HISTORY_COLUMNS).astype(np.float64)
     steps = history["step"].to_numpy()

@@ -24,6 +24,7 @@ from repro.files import read_csv
 from repro.model.dynamics import inverse_dynamics, rebuild_torque, regressor
 from repro.model.parameters import DESCRIPTIONS, EXPRESSIONS, NAMES, UNITS
 from repro.signals.dct import dct2sub, spectrum
+from repro.signals.metric import metr2ev
 from repro.signals.programs import PROGRAMS, SPAN
 from repro.signals.trajectories import Motion, identification_trajectory
 
@@ -200,35 +201,42 @@ def _torques(
                 x = np.arange(motion.time.size) / (2 * motion.time.size * signals.sampling_period_s)
                 parts += [(panel, name, x, spectrum(tau)) for name, tau in torques.items()]
             else:
+                total = metr2ev(torques["actual"], torques["rebuilt"], config.metric).total
+                parts.append((panels.similarity_of(panel), "rebuilt", np.zeros(1), np.array([float(total)])))
                 torques["difference"] = torques["actual"] - torques["rebuilt"]
                 parts += [(panel, name, motion.time, tau) for name, tau in torques.items()]
     return panels.long_table(parts)
 
 
-_of_runs = partial(figure, inputs=("published",), sections=_NUMERIC)
+_of_runs = partial(figure, inputs=("published",), sections=(*_NUMERIC, "metric"))
 
 
 def _torque_figure(
-    title: str, category: str, cases: Sequence[str], spectra: bool = False, trained: Trained = "no"
+    title: str,
+    category: str,
+    cases: Sequence[str],
+    spectra: bool = False,
+    trained: Trained = "no",
+    end: float | None = None,  # of the view, s
 ) -> Declaration:
     """Declare a figure of actual and rebuilt signals, a row for each case and a column for each joint."""
     titles = {f"{case}/joint{j}": f"{case}, joint {j}" for case in cases for j in (1, 2)}
-    draw = partial(panels.compare, titles=titles, spectra=spectra)
+    draw = partial(panels.compare, titles=titles, spectra=spectra, end=end)
     return _of_runs(title, draw, category=category, trained=trained)
 
 
 @_torque_figure("Torques of N1 and N2", "Numeric results", ("N1", "N2"))
 def fig12(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques of N1 and N2, their rebuilding from the parameters that Algorithm 1 identified, and the difference of
-    both, median seed (Fig. 12).
+    """Torques of N1 and N2, their rebuilding from the parameters that Algorithm 1 identified (in brackets the
+    similarity), and the difference of both, median seed (Fig. 12).
     """
     return _torques(inputs, config, "ID", ("N1", "N2"))
 
 
 @_torque_figure("Torques of N3 and N4", "Numeric results", ("N3", "N4"))
 def fig13(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques of N3 and N4, their rebuilding from the parameters that Algorithm 1 identified, and the difference of
-    both, median seed (Fig. 13).
+    """Torques of N3 and N4, their rebuilding from the parameters that Algorithm 1 identified (in brackets the
+    similarity), and the difference of both, median seed (Fig. 13).
     """
     return _torques(inputs, config, "ID", ("N3", "N4"))
 
@@ -239,10 +247,10 @@ def fig14(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     return _torques(inputs, config, "ID", _ALL, in_frequency=True)
 
 
-@_torque_figure("Validation torques", "Numeric validation", _ALL, trained="all")
+@_torque_figure("Validation torques", "Numeric validation", _ALL, trained="all", end=8.0)
 def fig15(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques on the random validation trajectory, their rebuilding, and the difference of both, median seed (Fig.
-    15).
+    """Torques on the random validation trajectory, their rebuilding (in brackets the similarity), and the difference of
+    both, median seed (Fig. 15).
     """
     return _torques(inputs, config, "validation", _ALL)
 

@@ -29,7 +29,7 @@ VERDICTS = {
     REPRODUCED: "within a tolerance that was stated in advance and that the number of another case would fail",
     BETTER: "better by more than the tolerance, on the paper's own arms",
     DIFFERS: "different by more than the tolerance",
-    INCONCLUSIVE: "compatible or better, but our scatter or bounds are too wide, or another case would pass as well",
+    INCONCLUSIVE: "decides nothing: our scatter or bounds are too wide, or another case would pass as well",
     NOT_COMPARABLE: "better, but on a simulated arm that may be an easier one",
     CONTRADICTS: "other numbers of the paper contradict it, by as much as ours differs",
     NOT_RUN: "a setting of the paper that the default run does not use",

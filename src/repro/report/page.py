@@ -319,7 +319,7 @@ def build_report(inputs: ReportInputs) -> str:
         lowest_cells=lowest_cells(inputs.results),
         differing=[(causes_by_name[name], own) for name, own in of_causes.items() if own],
         differing_of_tested=[
-            (causes_by_name[name], len(found))
+            (causes_by_name[name], len(found), len(own))
             for name, own in of_causes.items()
             if (found := [claim for claim in own if claim["shown_basis"] in tested])
         ],
