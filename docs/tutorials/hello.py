@@ -33,7 +33,7 @@ print(log.q.shape, "samples of both joints in", round(log.t[-1] - log.t[0], 1), 
 # %% [markdown]
 # ## Identify
 #
-# `low` and `high` are the ends of the 95 % interval. In this simulation Eq. 1 is exact, so intervals are narrow. On
+# `low` and `high` are the ends of the 95 % interval. In this simulation the model is exact, so intervals are narrow. On
 # real arms they are wider.
 
 # %%

@@ -222,9 +222,7 @@ PHRASES = [
     ),
     (
         "README.md",
-        "A typical estimate is off by {:.1f}, twice the size of the true parameters, {:.2f} "
-        "([example](docs/reference/tutorials/one-guess.md#many-guesses), root mean square, scaled by the largest "
-        "torque). Of all estimates {:.0f} % are rejected",
+        "off by twice the size of the true parameters ({:.2f} and {:.2f}, root mean square), and {:.0f} % are rejected",
         [ESTIMATES["random"][0], SIZE, 100 - ESTIMATES["random"][1]],
     ),
     (EXPERIMENT, "the true share is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),

@@ -73,6 +73,7 @@ WITH_LEAST_SQUARES = {
     ("networks", "identifications"): "numeric",
     ("arm", "identifications"): "arm",
     ("headline", "arm"): "arm",
+    ("headline", "numeric"): "numeric",
 }
 #: Exhibits that are not computed again here, and why.
 ELSEWHERE = {

@@ -284,8 +284,8 @@ def fig22(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 @_torque_figure(f"Torques of {SPAN}", partial(_compare, titles=_VALIDATION, by_row=True), inputs=("validation", "arm"))
 def fig23(inputs: Inputs, config: Configuration) -> pd.DataFrame:
     """Torques measured on the validation motions of the simulated arm and rebuilt from the parameters of Algorithm 1 as
-    listed and of least squares, in brackets their similarities (Fig. 23): one run, the one with the median similarity
-    on ID. Each motion has its own time axis.
+    listed and of least squares: one run, that with the median similarity on ID (Fig. 23). In brackets the similarities
+    of both in this run; Table 10 has medians. Each motion has its own time axis.
     """
     return long_table(_torques(inputs, config))
 

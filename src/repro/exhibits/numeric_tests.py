@@ -199,7 +199,10 @@ def _torques(
             torques = {name: rebuild_torque(y, np.array(beta))[j] for name, beta in series.items()}
             if in_frequency:
                 x = np.arange(motion.time.size) / (2 * motion.time.size * signals.sampling_period_s)
-                parts += [(panel, name, x, spectrum(tau)) for name, tau in torques.items()]
+                bands = {name: spectrum(tau) for name, tau in torques.items()}
+                if trajectory != "ID":  # there the bands are drawn as stems
+                    bands["difference"] = bands["actual"] - bands["rebuilt"]
+                parts += [(panel, name, x, y) for name, y in bands.items()]
             else:
                 total = metr2ev(torques["actual"], torques["rebuilt"], config.metric).total
                 parts.append((panels.similarity_of(panel), "rebuilt", np.zeros(1), np.array([float(total)])))
@@ -227,16 +230,16 @@ def _torque_figure(
 
 @_torque_figure("Torques of N1 and N2", "Numeric results", ("N1", "N2"))
 def fig12(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques of N1 and N2, their rebuilding from the parameters that Algorithm 1 identified (in brackets the
-    similarity), and the difference of both, median seed (Fig. 12).
+    """Torques of N1 and N2, their rebuilding from the parameters that Algorithm 1 identified, and the difference of
+    both, one run, that with the median similarity (Fig. 12). In brackets its similarity; Table 6 has medians.
     """
     return _torques(inputs, config, "ID", ("N1", "N2"))
 
 
 @_torque_figure("Torques of N3 and N4", "Numeric results", ("N3", "N4"))
 def fig13(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques of N3 and N4, their rebuilding from the parameters that Algorithm 1 identified (in brackets the
-    similarity), and the difference of both, median seed (Fig. 13).
+    """Torques of N3 and N4, their rebuilding from the parameters that Algorithm 1 identified, and the difference of
+    both, one run, that with the median similarity (Fig. 13). In brackets its similarity; Table 6 has medians.
     """
     return _torques(inputs, config, "ID", ("N3", "N4"))
 
@@ -249,8 +252,8 @@ def fig14(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 
 @_torque_figure("Validation torques", "Numeric validation", _ALL, trained="all", end=8.0)
 def fig15(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """Torques on the random validation trajectory, their rebuilding (in brackets the similarity), and the difference of
-    both, median seed (Fig. 15).
+    """Torques on the random validation trajectory, their rebuilding, and the difference of both, one run, that with the
+    median similarity on ID (Fig. 15). In brackets its similarity; Table 7 has medians.
     """
     return _torques(inputs, config, "validation", _ALL)
 
@@ -266,7 +269,7 @@ def fig16(inputs: Inputs, config: Configuration) -> pd.DataFrame:
 
 @_torque_figure("Spectra of the validation torques", "Numeric validation", _ALL, spectra=True, trained="all")
 def fig17(inputs: Inputs, config: Configuration) -> pd.DataFrame:
-    """DCT-II spectra of the validation torques (Fig. 17)."""
+    """DCT-II spectra of the validation torques, and the difference of both (Fig. 17)."""
     return _torques(inputs, config, "validation", _ALL, in_frequency=True)
 
 

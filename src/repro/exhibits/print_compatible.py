@@ -236,69 +236,73 @@ def accepted_cells(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 
 #: The method in the figure, and what a row of its numbers is of.
 SEARCHED = "algorithm1"
-PRINTED = f"published/{SEARCHED}"
-EACH, MEDIAN, RUN = "experiment", "median", "run"
+EACH, MEDIAN, RUN, PRINTED = "experiment", "median", "run", "published"
 
 
 def draw_guesses(frame: pd.DataFrame) -> Figure:
-    """Mean total against the number of guesses: a line for each experiment, and medians."""
+    """Distance to least squares against the number of guesses: a line for each experiment, and medians."""
     drawn, panels = style.new_panels(style.PAGE, 3.0, 1, 2)
     titles = {MEAN: f"Mean over {SPAN}", "ID": "ID, mean of both joints"}
-    name = style.SERIES_LABELS[SEARCHED]
-    for axes, (case, title), lowest in zip(panels, titles.items(), (0.0, 60.0), strict=True):
-        own = dict(iter(frame[frame["case"] == case].groupby(["of", "method"])))
-        median = own[MEDIAN, SEARCHED]
+    median_look = {**style.STROKES[SEARCHED], **style.MARKS[SEARCHED]}
+    for axes, (case, title) in zip(panels, titles.items(), strict=True):
+        own = dict(iter(frame[frame["case"] == case].groupby("of")))
         for kind, look, label in (
-            (EACH, {"color": "0.7", "ls": "-"}, "Single experiments"),
-            (RUN, {"color": "0.4", "ls": ":"}, "One run, on some of them"),
+            (EACH, {"color": "0.7", "ls": "-"}, f"{style.SERIES_LABELS[SEARCHED]}, each experiment"),
+            (RUN, {"color": "0.4", "ls": ":"}, "one run, on some of them"),
         ):
-            for place, (_, line) in enumerate(own[kind, SEARCHED].groupby("experiment")):
-                axes.plot(line["guesses"], 100.0 * line["total"], lw=0.7, label="" if place else label, **look)
-        label = f"{name}, median of {median['experiments'].max():.0f}"
-        axes.plot(
-            median["guesses"], 100.0 * median["total"], label=label, **style.STROKES[SEARCHED], **style.MARKS[SEARCHED]
-        )
-        level = 100.0 * own[MEDIAN, "least-squares"]["total"].iloc[0]
-        axes.axhline(level, label=style.SERIES_LABELS["least-squares"], **style.STROKES["least-squares"])
-        printed = 100.0 * own[MEDIAN, PRINTED]["total"].iloc[0]
-        axes.axhline(printed, label="Published, Algorithm 1", color=style.INK, lw=1.4)
-        axes.set(title=title, xscale="log", xlabel="Guesses (number)", ylim=(lowest, 100.0))
-    panels[0].set_ylabel("Total similarity (%)")
+            for place, (_, line) in enumerate(own[kind].groupby("experiment")):
+                axes.plot(line["guesses"], 100.0 * line["above"], lw=0.7, label="" if place else label, **look)
+        median = own[MEDIAN]
+        label = f"median of {median['experiments'].max():.0f}"
+        axes.plot(median["guesses"], 100.0 * median["above"], label=label, **median_look)
+        axes.axhline(100.0 * own[PRINTED]["above"].iloc[0], label="Published (real arm)", color=style.INK, lw=1.6)
+        axes.axhline(0.0, label="Least squares, same experiment", **style.STROKES["least-squares"])
+        axes.set(title=title, xscale="log", xlabel="Guesses (number)")
+        axes.set_ylim(top=0.1 * -axes.get_ylim()[0])
+    panels[0].set_ylabel("Similarity minus that of\nleast squares (points)")
     return style.legend_above(drawn, panels[0], 3, style.SIMULATED)
 
 
-def medians(means: pd.DataFrame) -> pd.DataFrame:
-    """Rows of each experiment, and their medians, where every experiment of a method has the budget."""
-    keys = ["method", "guesses", "case"]
-    size = means.groupby(keys)["total"].transform("size")
-    whole = means[size == size.groupby(means["method"]).transform("max")]
-    of_all = whole.groupby(keys)["total"].agg(total="median", experiments="size").reset_index()
+def medians(above: pd.DataFrame) -> pd.DataFrame:
+    """Rows of each experiment, and their medians, where every experiment has the budget."""
+    size = above.groupby(["guesses", "case"])["above"].transform("size")
+    whole: pd.DataFrame = above[size == size.max()]
+    of_all = whole.groupby(["guesses", "case"])["above"].agg(above="median", experiments="size").reset_index()
     return pd.concat([whole.assign(of=EACH), of_all.assign(of=MEDIAN)], ignore_index=True)
 
 
-@_figure("Similarity by the number of guesses", draw_guesses)
+@_figure("Algorithm 1 minus least squares by the number of guesses", draw_guesses)
 def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
-    """Total similarity that Algorithm 1 reaches within a number of guesses, on ID and on T1 to T4, on each experiment
-    that the printed numbers do not rule out (thin lines, median of five runs) and their median, up to the most guesses
-    that all have. Those that fit the printed numbers best were searched with more guesses in one run (dotted).
-    The levels are that of least squares over the same experiments, and the published one. The paper does not print
-    how many guesses it used. The vertical axes differ.
+    """How far Algorithm 1 is above or below least squares of the same experiment within a number of guesses, on T1 to
+    T4 and on ID: of each experiment that the printed numbers do not rule out (thin lines, medians of five runs), and
+    the median of these, up to the most guesses that all have. Those that fit the printed numbers best were searched
+    with more guesses in one run (dotted). The paper prints the difference of the black line, and not how many guesses
+    it used. The vertical axes differ.
     """
     scores = _scores(inputs)
-    scores = scores[~scores["method"].str.startswith(f"{SEARCHED}+")]
-    each = medians(_means(by_experiment(scores)))
-    searched = scores[(scores["method"] == SEARCHED) & (scores["guesses"] >= each["guesses"].max())]
-    longest = searched[searched["guesses"] == searched["guesses"].max()].drop_duplicates(["experiment", "seed"])
-    runs = _means(by_experiment(searched.merge(longest[["experiment", "seed"]]))).assign(of=RUN)
+    each = medians(_above(scores))
+    longest = scores[(scores["method"] == SEARCHED) & (scores["guesses"] == scores["guesses"].max())]
+    runs = scores.merge(longest[["experiment", "seed"]].drop_duplicates())
+    runs = runs[runs["guesses"] >= each["guesses"].max()]
+    levels = scores[scores["method"] == "least-squares"]
     printed = [
-        {"method": PRINTED, "case": case, "guesses": 0, "of": MEDIAN, "total": total}
-        for case, joints in (("ID", (1, 2)), (MEAN, (0,)))
-        for total in [float(np.mean([_published(SEARCHED, case, joint) for joint in joints]))]
+        {"of": PRINTED, "case": case, "above": _published_mean(SEARCHED, case) - _published_mean("least-squares", case)}
+        for case in ("ID", MEAN)
     ]
-    return pd.concat([each, runs, pd.DataFrame(printed)], ignore_index=True)
+    return pd.concat([each, _above(pd.concat([runs, levels])).assign(of=RUN), pd.DataFrame(printed)], ignore_index=True)
 
 
-def _means(totals: pd.DataFrame) -> pd.DataFrame:
-    """Mean of both joints on ID, and `MEAN`, of each experiment."""
-    kept = totals[totals["case"].isin(["ID", MEAN]) & ~totals["method"].isin(["bounded", "consistent"])]
-    return kept.groupby(["method", "guesses", "experiment", "case"], sort=False)["total"].mean().reset_index()
+def _published_mean(method: str, case: str) -> float:
+    """Published total of both joints, or of `MEAN`."""
+    return float(np.mean([_published(method, case, joint) for joint in ((1, 2) if case == "ID" else (0,))]))
+
+
+def _above(scores: pd.DataFrame) -> pd.DataFrame:
+    """How far Algorithm 1 is above least squares: mean of both joints on ID, and `MEAN`, of each experiment."""
+    totals = by_experiment(scores[scores["method"].isin([SEARCHED, "least-squares"])])
+    totals = totals[totals["case"].isin(["ID", MEAN])]
+    cell = ["experiment", "case"]
+    means = totals.groupby(["method", "guesses", *cell], sort=False)["total"].mean().reset_index()
+    level = means[means["method"] == "least-squares"].set_index(cell)["total"].rename("level")
+    own = means[means["method"] == SEARCHED].join(level, on=cell)
+    return own.assign(above=own["total"] - own["level"])[[*cell, "guesses", "total", "above"]]

@@ -30,6 +30,7 @@ from repro.paper.claims import (
     EVIDENCE,
     EXTENSION,
     LIMITS,
+    NOT_RUN,
     VERDICTS,
     Basis,
     broken,
@@ -242,6 +243,8 @@ def _label(number: PublishedValue, extension: str) -> str:
 
 def _cells(row: Mapping[str, str], relation: str) -> dict[str, Cell]:
     si, published = row["unit"].strip(), row["published"].strip()
+    if row["verdict"] == NOT_RUN:  # what the default run has instead is not comparable
+        row = {**row, "difference": "", "tolerance": "", "ours": row["ours"] if row["basis"] == Basis.SETTING else ""}
     shown = "" if si in _NO_UNIT else f"\N{NO-BREAK SPACE}{unit(si).md}"
     whole, _, part = published.partition(".")
     # One more than published, and at least two; None if the number is not a plain decimal.
@@ -319,7 +322,7 @@ def build_report(inputs: ReportInputs) -> str:
         lowest_cells=lowest_cells(inputs.results),
         differing=[(causes_by_name[name], own) for name, own in of_causes.items() if own],
         differing_of_tested=[
-            (causes_by_name[name], len(found), len(own))
+            (causes_by_name[name], len(found))
             for name, own in of_causes.items()
             if (found := [claim for claim in own if claim["shown_basis"] in tested])
         ],
