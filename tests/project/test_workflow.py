@@ -4,6 +4,7 @@ Each time that Snakemake loads it takes seconds, so it is loaded a few times, in
 """
 
 import io
+import itertools
 import os
 import re
 import runpy
@@ -233,6 +234,14 @@ def test_no_job_depends_on_the_folder_of_its_configuration(tmp_path):
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.
 STAGES = {"prepare": 0, "train": 1, "identify": 2, "evaluate": 3}
+
+
+def test_the_page_shows_ways_of_the_graph(full):
+    page = (ROOT / "docs/workflow.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^(\w+ -> .+)$", page, re.MULTILINE)
+    edges = {(maker.rule.name, job.rule.name) for job in full.dag.jobs for maker in full.dag.dependencies[job]}
+    ways = [list(itertools.pairwise(line.split(" -> "))) for line in lines]
+    assert len(ways) == 5 and set(itertools.chain(*ways)) <= edges
 
 
 def test_a_dry_run_needs_no_home_and_removes_nothing(tmp_path):

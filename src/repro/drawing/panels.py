@@ -116,8 +116,8 @@ def _plot_lines(axes: Axes, series: Compared) -> None:
 
 
 def _plot_stems(axes: Axes, series: Compared) -> None:
-    """Draw coefficients as marks over those of the reference as stems."""
-    (reference, (x, y)), *others = series.items()
+    """Draw coefficients as marks over those of the reference as stems; a difference has no mark."""
+    (reference, (x, y)), *others = ((name, curve) for name, curve in series.items() if name != "difference")
     stroke = style.STROKES[reference]
     axes.vlines(x, 0.0, y, color=stroke["color"], lw=stroke["linewidth"], label=style.SERIES_LABELS[reference])
     for name, curve in others:

@@ -141,8 +141,8 @@ def key_to(methods: Iterable[str]) -> str:
 _SERIES = {
     "joint1": Appearance("Joint 1", "#00507f", (), 1.0),
     "joint2": Appearance("Joint 2", "#e08a00", (4.5, 1.5), 1.2),
-    "actual": Appearance("Actual", "#79bde8", (), 2.0),
-    "rebuilt": Appearance("Rebuilt from the identified parameters", "#8c1d04", (3.5, 1.5), 0.8, "o", 2.2),
+    "actual": Appearance("Actual", "0.75", (), 2.2),
+    "rebuilt": Appearance("Rebuilt by Algorithm 1", "#00507f", (3.5, 1.5), 0.8, "o", 2.2),
     "difference": Appearance("Difference", "#e08a00", (), 0.8),
     "train": Appearance("Training", "#79bde8", (), 1.2),
     "test": Appearance("Test", "#8c1d04", (3.5, 1.5), 1.0),

@@ -183,7 +183,7 @@ def table07(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 def _torques(
     inputs: Inputs, config: Configuration, trajectory: str, cases: Sequence[str], in_frequency: bool = False
 ) -> pd.DataFrame:
-    """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed; over time with their difference."""
+    """Figures 12 to 15 and 17: actual and rebuilt torque of the median seed, and their difference."""
     signals, method = config.signals, "algorithm1"
     chosen = median_seeds(read_scores(inputs["scores"]))
     runs = {run["seed"]: run["arms"] for run in read_identifications(inputs["identifications"])}
@@ -197,16 +197,13 @@ def _torques(
         for j in (0, 1):
             panel = f"{case}/joint{j + 1}"
             torques = {name: rebuild_torque(y, np.array(beta))[j] for name, beta in series.items()}
+            torques["difference"] = torques["actual"] - torques["rebuilt"]
             if in_frequency:
                 x = np.arange(motion.time.size) / (2 * motion.time.size * signals.sampling_period_s)
-                bands = {name: spectrum(tau) for name, tau in torques.items()}
-                if trajectory != "ID":  # there the bands are drawn as stems
-                    bands["difference"] = bands["actual"] - bands["rebuilt"]
-                parts += [(panel, name, x, y) for name, y in bands.items()]
+                parts += [(panel, name, x, spectrum(tau)) for name, tau in torques.items()]
             else:
                 total = metr2ev(torques["actual"], torques["rebuilt"], config.metric).total
                 parts.append((panels.similarity_of(panel), "rebuilt", np.zeros(1), np.array([float(total)])))
-                torques["difference"] = torques["actual"] - torques["rebuilt"]
                 parts += [(panel, name, motion.time, tau) for name, tau in torques.items()]
     return panels.long_table(parts)
 

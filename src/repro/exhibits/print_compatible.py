@@ -248,7 +248,7 @@ def draw_guesses(frame: pd.DataFrame) -> Figure:
         own = dict(iter(frame[frame["case"] == case].groupby("of")))
         for kind, look, label in (
             (EACH, {"color": "0.7", "ls": "-"}, f"{style.SERIES_LABELS[SEARCHED]}, each experiment"),
-            (RUN, {"color": "0.4", "ls": ":"}, "one run, on some of them"),
+            (RUN, {"color": "0.4", "ls": ":"}, f"one run, {own[RUN]['experiment'].nunique()} of them"),
         ):
             for place, (_, line) in enumerate(own[kind].groupby("experiment")):
                 axes.plot(line["guesses"], 100.0 * line["above"], lw=0.7, label="" if place else label, **look)
