@@ -11,11 +11,13 @@ import sys
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from itertools import takewhile
+from pathlib import Path
 from typing import Any, NoReturn, TextIO, cast
 
 from repro import __version__, contract
 from repro.commands import boards, excite, identify, runs
 from repro.errors import InputError, end_by_exception, failure, one_of, shown
+from repro.provenance import commit
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
 _UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
@@ -56,10 +58,19 @@ class OneLineParser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, f"found {value!r}, expected {one_of(map(str, action.choices), value)}")
 
 
+class _Version(argparse.Action):
+    """Print the version, and in a checkout its commit."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        checkout = Path(__file__).resolve().parents[2]
+        print(f"repro {__version__}" + (f", commit {commit(checkout)}" if (checkout / ".git").exists() else ""))
+        parser.exit()
+
+
 def parser() -> argparse.ArgumentParser:
     """Parser of the command line."""
     top = OneLineParser(prog="repro", description="Identification of a two-joint arm, from board to figure.")
-    top.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    top.add_argument("--version", action=_Version, nargs=0, help="show the version, and in a checkout its commit")
     subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (add_arguments, run) in COMMANDS.items():
         first_line = (run.__doc__ or "").partition("\n")[0]

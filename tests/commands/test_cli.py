@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from experiment_example import refusal_in
 
+import repro
 from repro.cli import COMMANDS, main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -180,3 +181,15 @@ def test_the_command_alone_prints_its_help(capsys):
     assert main([]) == 2
     printed = capsys.readouterr().err
     assert all(f"\n    {name} " in printed for name in COMMANDS)
+
+
+def test_the_version_names_the_commit_of_a_checkout(capsys, monkeypatch):
+    for checkout, expected in (
+        (True, f"repro {repro.__version__}, commit abc\n"),
+        (False, f"repro {repro.__version__}\n"),
+    ):
+        monkeypatch.setattr("repro.cli.commit", lambda _: "abc")
+        monkeypatch.setattr(Path, "exists", lambda _, there=checkout: there)
+        with pytest.raises(SystemExit) as stop:
+            main(["--version"])
+        assert not stop.value.code and capsys.readouterr().out == expected
