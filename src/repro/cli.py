@@ -17,7 +17,6 @@ from typing import Any, NoReturn, TextIO, cast
 from repro import __version__, contract
 from repro.commands import boards, excite, identify, runs
 from repro.errors import InputError, end_by_exception, failure, one_of, shown
-from repro.provenance import commit
 
 #: What a file name or a line of a result cannot contain: control characters, bytes that are not UTF-8.
 _UNWRITABLE = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
@@ -62,6 +61,8 @@ class _Version(argparse.Action):
     """Print the version, and in a checkout its commit."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from repro.provenance import commit  # noqa: PLC0415 - loads pandas, which other commands may not need
+
         checkout = Path(__file__).resolve().parents[2]
         print(f"repro {__version__}" + (f", commit {commit(checkout)}" if (checkout / ".git").exists() else ""))
         parser.exit()

@@ -188,7 +188,7 @@ def test_the_version_names_the_commit_of_a_checkout(capsys, monkeypatch):
         (True, f"repro {repro.__version__}, commit abc\n"),
         (False, f"repro {repro.__version__}\n"),
     ):
-        monkeypatch.setattr("repro.cli.commit", lambda _: "abc")
+        monkeypatch.setattr("repro.provenance.commit", lambda _: "abc")
         monkeypatch.setattr(Path, "exists", lambda _, there=checkout: there)
         with pytest.raises(SystemExit) as stop:
             main(["--version"])

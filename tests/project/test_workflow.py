@@ -233,7 +233,7 @@ def test_no_job_depends_on_the_folder_of_its_configuration(tmp_path):
 
 
 #: Jobs of a cluster, in the order in which they can run; those that train, and a port's, share none.
-STAGES = {"prepare": 0, "train": 1, "identify": 2, "evaluate": 3}
+STAGES = {"prepare": 0, "search": 0, "train": 1, "identify": 2, "evaluate": 3}
 
 
 def test_the_page_shows_ways_of_the_graph(full):

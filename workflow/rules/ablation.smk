@@ -17,7 +17,7 @@ rule ablation_train:
     params:
         *call("repro_studies.ablation:train_variant"),
         checkpoint=f"{RESULTS}/ablation/.{{trained}}.checkpoint.safetensors",
-        config=sections(*TRAINING_SECTIONS, "networks", "algorithm1", "board", "experiment"),
+        config=with_history(sections(*TRAINING_SECTIONS, "networks", "algorithm1", "board", "experiment")),
     message:
         "Training for the reading {wildcards.trained}"
     script:

@@ -97,13 +97,18 @@ def trained_as(wildcards):
     return configuration_digest(of_network(SETTINGS, network_name(wildcards.suffix)))
 
 
+def with_history(parts, of=SETTINGS):
+    """Sections of a job that trains, and keys that its history depends on, but not its weights."""
+    history = {key: getattr(of.training, key) for key in ("test_samples", "log_every")}
+    return {**parts, "training": {**parts["training"], **history}}
+
+
 def training_sections(wildcards):
     """What one network and its history depend on; of a stored one, where it comes from."""
     if is_stored(wildcards):
         return {"training": {key: getattr(SETTINGS.training, key) for key in ("source", "networks")}}
     own = of_network(SETTINGS, network_name(wildcards.suffix))
-    parts, history = training_config(own), {key: getattr(own.training, key) for key in ("test_samples", "log_every")}
-    return {**parts, "training": {**parts["training"], **history}}
+    return with_history(training_config(own), own)
 
 
 def factorial_motions(wildcards):

@@ -88,6 +88,11 @@ def identify(
     Identification
         Parameters with intervals, errors, residuals.
 
+    Warns
+    -----
+    UserWarning
+        Of each thing in the recordings that can make the result wrong, as in ``result.warnings``.
+
     Raises
     ------
     InputError

@@ -111,7 +111,8 @@ class Identification:
     def errors(self) -> pd.DataFrame:
         """Errors of the rebuilt torque and of the simulated position.
 
-        Columns ``log``, ``part`` and ``joint``; ``relative_rms`` of the torque and ``similarity``, fractions of 1;
+        Columns ``log``, ``part`` (``"fit"``; ``"half"`` or ``"log"``: predicted from the others; ``"validation"``) and
+        ``joint``; ``relative_rms`` of the torque and ``similarity``, fractions of 1;
         ``position_rms``, rad.
         """
         table = scores_table(self.details)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Mapping
 from functools import wraps
+from inspect import Signature, signature
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -97,6 +98,8 @@ def _one_line(cls: type[Any]) -> type[Any]:
             raise InputError.at(f"{given.get('file', cls.file)}: {spelled(place)}", found, expected) from None
 
     cls.__init__ = checked
+    bare = [one.replace(annotation=one.empty) for one in signature(cls).parameters.values()]
+    cls.__signature__ = Signature(bare)  # what `help` shows; the annotations are those of the validation
     return cls
 
 
@@ -113,6 +116,9 @@ def _plain(value: object) -> object:
 @dataclass(frozen=True, config=STRICT)
 class Arm:
     """How to read an arm's recordings, and what is known of the arm.
+
+    Its arguments are the keys of an arm file: meaning, unit and default of each are in the table of *Log files*
+    (arm.yaml).
 
     Examples
     --------
