@@ -282,7 +282,7 @@ def described(name: str, what: object, heading: str) -> str:
     for title, body in zip(sections[::2], sections[1::2], strict=True):
         shown = examples(body) if title == "Examples" else items(body)
         parts.append(f"**{title}**\n\n{shown}")
-    return "\n\n".join([*parts, *settings_fields(what)])
+    return "\n\n".join([*parts, *settings_fields(what), *([arm_file()] if what is repro.Arm else [])])
 
 
 def prose(text: str) -> str:

@@ -125,7 +125,8 @@ def read_capture(path: str | Path) -> Capture:
     Returns
     -------
     Capture
-        Decoded, with positions (rad) and torques (N m).
+        Decoded: ``time`` (n,), s; ``q`` (2, n), rad; ``tau`` (2, n), N m; ``complete``; ``metadata`` with the sampling
+        period ``h`` and the samples ``n1`` to ``n2`` of the motion.
 
     Raises
     ------

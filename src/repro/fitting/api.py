@@ -47,7 +47,7 @@ def identify(
     steps: int = 1500,
     cache: str | Path | None = None,
 ) -> Identification:
-    """Estimate the nine parameters of Eq. 1 of an arm from what it recorded.
+    """Estimate the nine parameters of Eq. 1, tau = Y beta, of an arm from what it recorded.
 
     The numbers are those of ``repro identify`` with the same options. Progress is logged at level INFO.
 

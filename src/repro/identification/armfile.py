@@ -117,8 +117,7 @@ def _plain(value: object) -> object:
 class Arm:
     """How to read an arm's recordings, and what is known of the arm.
 
-    Its arguments are the keys of an arm file: meaning, unit and default of each are in the table of *Log files*
-    (arm.yaml).
+    Its arguments are the keys of an arm file.
 
     Examples
     --------

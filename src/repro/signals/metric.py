@@ -77,7 +77,7 @@ def metr2ev(x: ArrayLike, y: ArrayLike, settings: MetricSettings = PUBLISHED_MET
     Returns
     -------
     Similarity
-        Arrays of the broadcast leading shape.
+        ``time``, ``frequency`` and their product ``total``: arrays of the broadcast leading shape, fractions of 1.
 
     Raises
     ------
