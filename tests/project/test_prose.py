@@ -196,7 +196,7 @@ PHRASES = [
     ),
     (
         WORTH,
-        "these arms on a new motion | compatible with our training | 97.45 | {:.2f}; "
+        "these arms on a new motion | inconclusive with our training | 97.45 | {:.2f}; "
         "[other networks](../numbers.md#how-networks-scatter) from {:.2f} | least squares has {:.2f}",
         [VALIDATION["algorithm1"], 100 * NETWORKS["numeric_validation"].min(), VALIDATION["least-squares"]],
     ),
@@ -223,7 +223,7 @@ PHRASES = [
     ),
     (
         "README.md",
-        "the true parameters are only {:.2f} of it (both root mean squares), and {:.0f} % of estimates are rejected",
+        "the true parameters themselves have a root mean square of only {:.2f}, and {:.0f} % of estimates are rejected",
         [SIZE, 100 - ESTIMATES["random"][1]],
     ),
     (EXPERIMENT, "the true share is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
