@@ -223,7 +223,7 @@ PHRASES = [
     ),
     (
         "README.md",
-        "the true parameters themselves have a root mean square of only {:.2f}, and {:.0f} % of estimates are rejected",
+        "the true parameters are only {:.2f} in size, less than the error, and {:.0f} % of estimates",
         [SIZE, 100 - ESTIMATES["random"][1]],
     ),
     (EXPERIMENT, "the true share is at most {:.0f} %", accepted("algorithm1", 100_000, "wins_high")),
