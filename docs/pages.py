@@ -23,7 +23,7 @@ from repro.cli import parser
 from repro.drawing.style import MEANINGS, METHODS, title_of
 from repro.keys import Key
 from repro.paper.published import load_published
-from repro.report.headline import COLUMNS, PRINTED, means, published_headline
+from repro.report.headline import COLUMNS, NUMERIC, PRINTED, means, published_headline
 from repro.report.headline import headline as similarities
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -44,7 +44,6 @@ PAGES = (
 #: Kinds of effect whose coverage the page on intervals shows, and the generators of their arms.
 COVERED = ("clean", "coarse", "constant", "position", "friction", "temperature", "rotor30", "rotor30+flexible")
 GENERATORS = ("board", "planar")
-NUMERIC = ("N1", "N2", "N3", "N4")
 MOTIONS = ("ID", "T1", "T2", "T3", "T4")
 VALIDATION = MOTIONS[1:]
 

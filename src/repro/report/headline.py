@@ -17,11 +17,11 @@ from repro.paper.published import load_published, similarity_cells
 from repro.signals.programs import SPAN, VALIDATION
 
 _MINUS = "\N{MINUS SIGN}"
-_NUMERIC = ("N1", "N2", "N3", "N4")
+NUMERIC: Final = ("N1", "N2", "N3", "N4")
 #: Columns of the headline: the table that each is of, and its cases.
 COLUMNS: Final = {
-    "N1-N4, ID": ("table06", _NUMERIC),
-    "N1-N4, new motion": ("table07", _NUMERIC),
+    "N1-N4, ID": ("table06", NUMERIC),
+    "N1-N4, new motion": ("table07", NUMERIC),
     "arm, ID": ("table10", ("ID",)),
     f"arm, {SPAN}": ("table10", tuple(VALIDATION)),
 }
