@@ -2,13 +2,12 @@
 # # The board, from motion to parameters (simulated)
 #
 # The board, the arm behind it and all numbers on this page are **simulated**. A board of your own that speaks [the
-# protocol](../../protocol.md) is used the same way: only the port differs, such as `/dev/ttyUSB0`. `snakemake --cores 1
-# tutorials` runs this page again.
+# protocol](../../protocol.md) is used the same way, with another port, such as `/dev/ttyUSB0`.
 #
 # ## Record
 #
 # `repro simulate` starts a simulated board behind a serial port, here the link `board`. Without `--as-fast-as-possible`
-# it keeps the pace of a real one, 2.5 ms a sample.
+# the board keeps the pace of a real one, 2.5 ms per sample.
 
 # %%
 import atexit
@@ -59,11 +58,11 @@ slow = repro.identify("ID.bin", validate="T2.bin", method="ordinary")
 show(slow)
 
 # %% [markdown]
-# Eq. 10 is slow and lasts 10.8 s here, without its start and end. It excites gravity and friction, and hardly inertia:
-# the interval of I2 contains zero. The arm has Stribeck friction, which Eq. 1 does not model. The tool finds the
-# Stribeck friction of joint 1 and subtracts it. All intervals but that of k2 contain the true value. The friction of
-# joint 2 grows with the torque of its drive, and the intervals allow only for friction that grows with the load behind
-# the gear. So k2 is 77 % too high, although its verdict is *known to 28 %*.
+# Eq. 10 is slow and lasts 10.8 s here, without its start and end. It excites gravity and friction, but hardly inertia,
+# so the interval of I2 contains zero. The arm has [Stribeck friction](../../glossary.md), which Eq. 1 does not model.
+# The tool finds and subtracts this friction at joint 1. All intervals except that of k2 contain the true value. The
+# friction of joint 2 grows with the torque of its drive, but the intervals allow only for friction that grows with the
+# load behind the gear. Therefore k2 is 77 % too high, although its verdict is *known to 28 %*.
 #
 # ## What to excite
 #
@@ -74,8 +73,8 @@ show(slow)
 # | inertia (I1, I3) | acceleration up to what the drives can do, also of each joint while the other is slow |
 # | coupling (I2) | both joints fast at once, q2 well beyond 90 degrees, where the coupling changes sign (not here) |
 #
-# Record more than a few periods, with different frequencies at both joints. `repro.excite` designs such a motion within
-# the limits of an arm. The command refuses a motion beyond the limits of the board before it sends anything
+# Record more than a few periods, with different frequencies at the two joints. `repro.excite` designs such a motion
+# within the limits of an arm. `repro record` refuses a motion beyond the limits of the board before it sends anything
 # ([recording](../../recording.md)).
 
 # %%
@@ -87,8 +86,8 @@ fast = repro.identify("motion.bin", validate="T2.bin", method="ordinary")
 show(fast)
 
 # %% [markdown]
-# I1, I3, g1 and g2 are within 12 % of the true values now, and all intervals but that of k1 contain them. k1 contains
-# Stribeck friction, and its verdict says so. The residual, the lower curve of each joint, shows the ripple:
+# I1, I3, g1 and g2 are now within 12 % of the true values. All intervals except that of k1 contain the true value. The
+# estimate of k1 includes Stribeck friction, as its verdict states. The residual (lower curves) shows the ripple:
 
 # %%
 fast.plot(log=0)
@@ -96,8 +95,8 @@ fast.plot(log=0)
 # %% [markdown]
 # ## What a better log does not do
 #
-# The parameters are nearer to the truth. The torque errors on T2 are only a little smaller, because T2 has friction and
-# ripple that neither fit fully contains:
+# The parameters are nearer to the truth than with ID. The torque errors on T2 are only a little smaller, because T2 has
+# friction and ripple that neither fit fully contains:
 
 # %%
 for name, result in {"ID": slow, "excited": fast}.items():
@@ -105,4 +104,5 @@ for name, result in {"ID": slow, "excited": fast}.items():
     print(f"{name}: {(100 * errors['relative_rms']).round(1).tolist()} % of joints 1 and 2")
 
 # %% [markdown]
-# To learn parameters, excite all nine. To predict like motions, the slow log is nearly as good.
+# To learn the parameters, excite all nine. To predict similar motions, the slow log is nearly as good as the excited
+# one.

@@ -1,14 +1,14 @@
 # %% [markdown]
 # # Hello, arm
 #
-# This page needs the package alone (`python -m pip install .` in the project's folder). It simulates a log of a known
+# This page needs only the package (`python -m pip install .` in the project's folder). It simulates a log of a known
 # arm, identifies the arm, and predicts a torque. Open `docs/tutorials/hello.py` as a notebook in Jupyter (with
-# jupytext) or in an editor that knows `# %%` cells.
+# jupytext) or in an editor that supports `# %%` cells.
 #
 # ## A log
 #
-# The model has nine parameters: inertias I1 to I3, gravity g1 and g2, viscous friction b1 and b2, Coulomb friction k1
-# and k2. `repro.excite` designs a motion within the limits of an arm. Noise is added to torque and position.
+# The [model](../../own-arm.md#the-model-eq-1) has nine parameters: inertias I1 to I3, gravity g1 and g2, viscous
+# friction b1 and b2, Coulomb friction k1 and k2. `repro.excite` designs a motion within the limits of an arm.
 
 # %%
 import numpy as np
@@ -33,8 +33,8 @@ print(log.q.shape, "samples of both joints in", round(log.t[-1] - log.t[0], 1), 
 # %% [markdown]
 # ## Identify
 #
-# `low` and `high` are the ends of the 95 % interval. In this simulation the model is exact, so intervals are narrow. On
-# real arms they are wider.
+# `low` and `high` are the ends of the 95 % interval. The intervals are narrow, because the model is exact in this
+# simulation. On real arms they are wider.
 
 # %%
 unseen = record(harmonics=4, seed=2)
@@ -46,8 +46,8 @@ print(table.round(3).to_string())
 # %% [markdown]
 # ## Errors and warnings
 #
-# The torque error is the RMS of the residual over the RMS of the torque, here on the motion that was not fitted. Read
-# the warnings before you use a result.
+# The torque error is the RMS of the residual (measured minus rebuilt torque) divided by the RMS of the torque. It is
+# computed here on the motion that was not fitted. Read the warnings before you use a result.
 
 # %%
 errors = result.errors.query("part == 'validation'")
@@ -55,8 +55,8 @@ print((100 * errors["relative_rms"]).round(1).to_list(), "% of joints 1 and 2")
 print(*result.warnings or ["no warnings"], sep="\n")
 
 # %% [markdown]
-# Measured and rebuilt torque of both joints on the fitted log coincide. Below each is the residual. It is smaller
-# than the noise, because `identify` filters the log first:
+# On the fitted log, measured and rebuilt torque of both joints coincide. The residual below them is smaller than the
+# noise, because `identify` filters the log first:
 
 # %%
 result.plot()
@@ -64,8 +64,8 @@ result.plot()
 # %% [markdown]
 # ## Predict
 #
-# The torque that holds the arm still with link 1 level and link 2 in line with it: no velocity, no acceleration. The
-# true one is g1 + g2 for joint 1 and g2 for joint 2.
+# The code predicts the torque that holds the arm still with link 1 level and link 2 in line with it. The true torque is
+# g1 + g2 at joint 1 and g2 at joint 2.
 
 # %%
 still = np.zeros((2, 1))

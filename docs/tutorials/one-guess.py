@@ -1,14 +1,14 @@
 # %% [markdown]
 # # One guess through the network
 #
-# Algorithm 1 repeats five steps: guess, image, residual, corrected guess, score. This page does them once with public
-# names of `repro`, with a guess that was chosen because it passes line 22 of Algorithm 1. Here guesses go up to 1, in
-# *Many guesses* up to 3, as in Algorithm 1. It needs the extra `cnn`, and runs in a checkout of the project after `make
-# setup`, whose recordings are **simulated**.
+# [Algorithm 1](../../explanation/algorithm1.md) repeats five steps: guess, image, residual, corrected guess, score.
+# This page performs each step once with public names of `repro`. The guess was chosen because it passes line 22 of
+# Algorithm 1. Its parameters are at most 1. The page needs the extra `cnn` and a checkout of the project after
+# `make setup`. The project's recordings are **simulated**.
 #
 # ## Signals
 #
-# The network reads 100 samples of the trajectory of Eq. 10, filtered as the paper filters them (Eq. 14).
+# The input of the network comes from 100 samples of the trajectory of Eq. 10, filtered as in the paper (Eq. 14).
 
 # %%
 from pathlib import Path
@@ -34,7 +34,7 @@ scale = abs(tau).max()
 # ## Guess, image, residual, corrected guess
 #
 # A guess is in units of the largest torque. The image compares the torque of the guess with the measured torque (Eq. 8
-# and 9). From the image the network estimates the residual: what to add to the guess.
+# and 9). From the image, the network estimates the residual, which is added to the guess.
 
 # %%
 network = repro.load_network(DATA / "networks/cnn.safetensors")
@@ -48,9 +48,9 @@ for name, values in {"guess": guess, "residual": residual, "corrected": correcte
 # %% [markdown]
 # ## Score
 #
-# The score is the similarity of the measured torque with the torque of the parameters, in % for each joint (100 %:
-# equal; least squares has 95 and 94 %). Algorithm 1 keeps a corrected guess only if no parameter is below zero (line
-# 22). That is rare: of the seeds 0 to 399 eight pass.
+# The score of each joint is the [similarity](../../explanation/metric.md) of the measured torque and the torque of the
+# parameters. Equal torques score 100 %, and least squares scores 95 and 94 %. Algorithm 1 keeps a corrected guess only
+# if no parameter is negative (line 22). This is rare: of the guesses with seeds 0 to 399, only eight pass.
 
 
 # %%
@@ -65,7 +65,7 @@ for name, parameters in {"guess": guess, "corrected": corrected}.items():
     print(f"{name:10}", scores[name].round(1))
 
 # %% [markdown]
-# The figure has the two channels of the image above, and below the parameters and the torque of joint 1:
+# The figure shows the two channels of the image (top), the parameters and the torque of joint 1 (bottom):
 
 # %%
 figure, grid = plt.subplots(2, 2, figsize=(7.2, 6.4), layout="constrained")
@@ -96,9 +96,10 @@ figure  # noqa: B018
 # %% [markdown]
 # ## Many guesses
 #
-# Algorithm 1 guesses each parameter between 0.001 and 3. Here are 1,000 such guesses, then, as one guess, the true
-# parameters of the simulated arm. The last row replaces the measured torque by that of Eq. 1. An error is the root mean
-# square over the nine parameters, in units of the largest torque.
+# Algorithm 1 guesses each parameter between 0.001 and 3. The first row of the output uses 1,000 such guesses. The other
+# rows use one guess, the true parameters of the simulated arm. The last row replaces the measured torque by the torque
+# of Eq. 1. An error is the root mean square over the nine parameters, in units of the largest torque. *Possible*
+# estimates pass line 22.
 
 # %%
 beta = np.array(yaml.safe_load((DATA.parent / "config/config.yaml").read_text())["arm"]["parameters"])
@@ -113,7 +114,7 @@ for name, torque, given in (("random", tau, random), ("true", tau, None), ("true
     print(f"{name:12} error of guess {before:.2f}, of estimate {after:.2f}; possible: {possible:.0f} %")
 
 # %% [markdown]
-# The network brings a random guess much nearer, but not near. Most estimates have a negative parameter, which line 22
-# rejects. Even the true parameters are moved away, by 0.13: by 0.07 with the torque of Eq. 1, without the other effects
-# of the arm. The last two rows are one guess each, so *possible* is 0 or 100 %. Line 22
-# rejects both, because a parameter is negative. So a good estimate is rare, and Algorithm 1 must draw many guesses.
+# The network brings random guesses much nearer to the true parameters, but not close. Most of these estimates have a
+# negative parameter, so line 22 rejects them. The network moves even the true parameters away, by 0.13. With the torque
+# of Eq. 1, without the other effects of the arm, it moves them by 0.07. Line 22 rejects both estimates, too. Good
+# estimates are therefore rare, and Algorithm 1 must draw many guesses.

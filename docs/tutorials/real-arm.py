@@ -1,13 +1,14 @@
 # %% [markdown]
 # # A real arm, from Python
 #
-# Least squares identifies this arm with a torque error of 4 to 10 % on the log and of 7.5 to 12.3 % on two falls.
-# Inertia and gravity differ by 3 to 11 % from what its owners published.
+# Least squares identifies this arm with a torque error of 4 to 10 % on the fitted log and of 7.5 to 12.3 % on two
+# falls. The estimates of inertia and gravity differ by 3 to 11 % from the owners' published values.
 #
 # The Underactuated Robotics Lab of DFKI RIC has published logs of a two-joint arm that swings in the vertical plane:
-# the double pendulum "design A.0", with links of 0.3 m and motors geared 6:1. Its angles and signs are those of Eq.
-# 1. The logs are in the public repository `dfki-ric-underactuated-lab/double_pendulum` under the BSD 3-Clause
-# licence. This project contains none of them. Three logs are needed:
+# the double pendulum "design A.0", with links of 0.3 m and motors geared 6:1. Its angles and signs are those of
+# [Eq. 1](../../own-arm.md#the-model-eq-1). The logs are in the public repository
+# `dfki-ric-underactuated-lab/double_pendulum` under the BSD 3-Clause licence. This project does not contain them.
+# Download three logs:
 #
 # ```sh
 # base=https://raw.githubusercontent.com/dfki-ric-underactuated-lab/double_pendulum/1e8544e
@@ -17,8 +18,8 @@
 # done
 # ```
 #
-# `snakemake --cores 1 tutorials` runs this page again, from the logs in `mine/` or in the folder that the environment
-# variable `REPRO_REALDATA` names. The output here comes from copies of the logs, rounded to six decimals.
+# `snakemake --cores 1 tutorials` runs this page again with the logs in `mine/` or in the folder that the environment
+# variable `REPRO_REALDATA` names. The output below comes from copies of the logs, rounded to six decimals.
 #
 # ## Look at the log
 
@@ -37,8 +38,7 @@ print("position from", log.q.min(axis=1).round(2), "to", log.q.max(axis=1).round
 print("largest torque", abs(log.tau).max(axis=1).round(2), "N m")
 
 # %% [markdown]
-# The two other logs are 10 s long: a slow ramp for 5 s, then a fall with zero torque. They validate what the first
-# log determines.
+# The other two logs are 10 s long: a slow ramp for 5 s, then a fall with zero torque. They serve for validation.
 #
 # ## Identify
 
@@ -49,9 +49,9 @@ print(result.method)
 print(result.parameters[["estimate", "low", "high", "unit"]].round(3))
 
 # %% [markdown]
-# Every parameter has a verdict in words. Parameters that the method keeps at zero have no interval. The others have a
-# 95 % interval. The gears rub more under load, which Eq. 1 does not model. The log shows it, so this friction is
-# subtracted and reported:
+# Every parameter has a verdict in words. Only parameters that the method holds at zero have no 95 % interval. Friction
+# in the gears grows with the load, which Eq. 1 does not model. The log shows this friction, so it is subtracted and
+# reported:
 
 # %%
 for name, verdict in result.parameters["verdict"].items():
@@ -60,9 +60,9 @@ for term in result.details.terms:
     print(f"{term.name}: {term.value:.3f} +- {2 * term.error:.3f}, subtracted: {term.taken}")
 
 # %% [markdown]
-# Viscous and Coulomb friction look alike in a slow motion. Ordinary least squares makes b1 and b2 negative, which no
-# friction can be, with intervals that contain zero. The recommended method predicts torque and position of the falls
-# best among the methods whose parameters an arm can have.
+# Viscous and Coulomb friction look alike in a slow motion. Ordinary least squares returns negative b1 and b2, which are
+# physically impossible. Their intervals contain zero. Of the methods with physically possible parameters, the
+# recommended one predicts torque and position of the falls best.
 
 # %%
 print(result.of("ordinary").parameters.loc[["b1", "b2", "k1", "k2"], ["estimate", "low", "high"]].round(3))
@@ -70,15 +70,15 @@ print(result.of("ordinary").parameters.loc[["b1", "b2", "k1", "k2"], ["estimate"
 # %% [markdown]
 # ## Validate
 #
-# The table has the relative torque error of each log and joint, as a fraction of the root mean square of its torque.
+# The table lists the torque error of each log and joint, as a fraction of the RMS of the torque.
 
 # %%
 print(result.errors[["log", "part", "joint", "relative_rms"]].round(3).to_string(index=False))
 
 # %% [markdown]
-# At joint 1 both falls have larger errors than the fitted log, at joint 2 only the first. The figure shows the first
-# fall. After the release at 5 s no torque acts. The model predicts some, because a large acceleration multiplies small
-# errors of the inertias.
+# At joint 1 both falls have larger errors than the fitted log. At joint 2 only the first fall has a larger error. The
+# figure shows the first fall. After the release at 5 s no torque acts, but the model predicts some torque, because a
+# large acceleration multiplies small errors of the inertias.
 
 # %%
 result.plot(log=1)
@@ -86,15 +86,15 @@ result.plot(log=1)
 # %% [markdown]
 # ## Use the model
 #
-# `predict` computes the torque that a motion needs. With the arm at rest, link 1 level and link 2 in line with it, the
-# arm needs the sum of both gravity terms at joint 1 and g2 at joint 2:
+# `predict` computes the torque that a motion needs. At rest, with link 1 level and link 2 in line with it, the arm
+# needs the sum of both gravity terms at joint 1 and g2 at joint 2:
 
 # %%
 level, still = np.array([[np.pi / 2], [0.0]]), np.zeros((2, 1))
 print(result.predict(level, still, still).ravel().round(2), "N m")
 
 # %% [markdown]
-# `simulate` integrates the motion that a torque causes. Here the arm falls from there without torque:
+# `simulate` integrates the motion that a torque causes. Here the arm falls from this pose without torque:
 
 # %%
 t = np.linspace(0.0, 0.3, 31)
@@ -104,7 +104,8 @@ print("after 0.3 s:", q[:, -1].round(2), "rad")
 # %% [markdown]
 # ## Compare with what the owners published
 #
-# Their model has masses, lengths, inertias about the joints and a rotor inertia. In the parameters of Eq. 1 they are:
+# The owners' model has masses, lengths, inertias about the joints and a rotor inertia. In the parameters of Eq. 1 they
+# are:
 
 # %%
 m1, m2, l1, r1, r2, g = 0.5593806, 0.6043459, 0.3, 0.3, 0.1837769, 9.81
@@ -117,7 +118,8 @@ for name, ours, theirs in zip(found.index, found["estimate"], owners, strict=Tru
     print(f"{name}: {ours:.4f}, owners {theirs:.4f}, {inside} the interval")
 
 # %% [markdown]
-# Four of five intervals contain the owners' values. The interval of g1 ends 3 % below: the intervals do not allow for a
-# wrong form of the friction that was subtracted. With `friction=False` they are wider, and all five contain the values.
+# Four of five intervals contain the owners' value. The interval of g1 ends 3 % below it: the intervals do not allow for
+# a wrong form of the subtracted friction. With `friction=False` the intervals are wider, and all five contain the
+# values.
 #
 # `result.save("mine/real")` writes tables, a report for the browser, and the arm as URDF and MJCF.

@@ -110,18 +110,18 @@ METHODS: Final = {
 }
 #: What a name leaves unsaid, by method. Extensions are ours.
 MEANINGS: Final = {
-    "algorithm1/one-run": "all cells of one seed, whose mean on ID is the median",
-    "algorithm1+desired": "line 18 takes f of the desired motion (extension)",
+    "algorithm1/one-run": "all cells come from the run with the median score on ID",
+    "algorithm1+desired": "line 18 computes f on the desired motion (extension)",
     "algorithm1+tracked-measured": "the network is trained on closed-loop motions (extension)",
-    "algorithm1+tracked": "closed-loop training, and f of the desired motion in line 18 (extensions)",
-    "algorithm1+tracked/one-run": "all cells of one seed (extensions)",
-    "algorithm1+refinement": "chosen guesses go through differential evolution, at first with the network (extension)",
-    "algorithm1+local-search": "Algorithm 1 + refinement without the network, for comparison",
+    "algorithm1+tracked": "closed-loop training, and f on the desired motion in line 18 (extensions)",
+    "algorithm1+tracked/one-run": "all cells come from one run (extensions)",
+    "algorithm1+refinement": "differential evolution of the best candidates, at first with the network (extension)",
+    "algorithm1+local-search": "the refinement without the network, for comparison",
     "differential-evolution": "a direct search from uniform guesses, without a network",
     "algorithm1+paper-recipe": "trained by the paper's schedule",
     "algorithm1+paper-recipe-ranges": "trained by the paper's schedule on its ranges of parameters",
-    "bounded": "no parameter may be negative, as in line 22 of Algorithm 1",
-    "consistent": "parameters that a body can have",
+    "bounded": "no parameter is negative, as in line 22 of Algorithm 1",
+    "consistent": "only physically possible parameters",
     "appendix": "the arm's parameters without what its motors add",
 }
 

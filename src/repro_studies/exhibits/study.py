@@ -64,7 +64,7 @@ def _outcomes(inputs: Inputs) -> pd.DataFrame:
     "Learned methods and least squares over many conditions",
     layout(
         "Means over the simulated arms and the conditions in which all methods were run: similarity (%) on the motion "
-        "that is identified from and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
+        "used for identification and on T1 to T4; relative torque error on T1 to T4 (%); root mean square error of the "
         "parameters over the largest torque; median error of position on T1, simulated again with the estimate (rad), "
         "of the runs whose estimate has a positive definite inertia matrix, which are others for each method; share of "
         "parameters in the claimed 95 % interval (%); median share of the prior's variance that the claim removes.",
@@ -121,7 +121,7 @@ def study_expectations(inputs: Inputs, _: Configuration) -> pd.DataFrame:
 
 #: Factors in words.
 _FACTORS = {
-    "excitation": "Motion that is identified from",
+    "excitation": "Motion used for identification",
     "discrepancy": "Similarity of least squares on Eq. 10",
     "prior": "Prior",
     "friction": "Friction of the arms, times",
@@ -181,7 +181,7 @@ def draw_map(frame: pd.DataFrame) -> Figure:
         axes.grid(visible=False)
         axes.patch.set(facecolor="0.92", hatch="////", edgecolor="0.75", lw=0.0)
     figure.supxlabel("Similarity of least squares on Eq. 10 (%)", fontsize=style.TEXT_SIZE)
-    figure.supylabel("Condition (prior, motion that is identified from)", fontsize=style.TEXT_SIZE)
+    figure.supylabel("Condition (prior, motion used for identification)", fontsize=style.TEXT_SIZE)
     ticks = [sign * 10.0**power for sign in (-1, 1) for power in range(3)]
     label = f"Points on T1 to T4 ({style.SIMULATED.lower()})"
     figure.colorbar(image, ax=panels, label=label, ticks=[*ticks, 0.0], format="%g")
@@ -190,7 +190,7 @@ def draw_map(frame: pd.DataFrame) -> Figure:
 
 @_figure("Where each method is better", draw_map)
 def study_figure(inputs: Inputs, _: Configuration) -> pd.DataFrame:
-    """Differences of the mean total on T1 to T4 between methods, by motion that is identified from, prior and
+    """Differences of the mean total on T1 to T4 between methods, by motion used for identification, prior and
     discrepancy, averaged over the levels of friction: orange is where the first method is worse, purple where it is
     better, on a scale that is linear within 1 point and logarithmic beyond. Hatched: not run. In brackets: in some of
     these conditions the interval contains zero. The prior is the range of arms that learned methods know; mismatched:
