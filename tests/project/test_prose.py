@@ -272,7 +272,7 @@ PHRASES = [
     (EXPERIMENT, "with 100,000 guesses Algorithm 1 scores a median of {:.1f} %", accepted("algorithm1", 100_000)),
     (
         EXPERIMENT,
-        "differ by {:.0f} to {:.0f} points on T1 to T4 of an experiment. Of {} searches {} scores higher than plain "
+        "differ by {:.0f} to {:.0f} points on T1 to T4 of an experiment. Of {} runs {} scores higher than plain "
         "least squares, by {:.1f} points. Depending on the seed, the median over the experiments is between {:.1f} and "
         "{:.1f} %",
         [
@@ -315,7 +315,7 @@ PHRASES = [
     ),
     (
         WORTH,
-        "{} of {} searches with a million guesses, by {:.1f} points",
+        "{} of {} runs with a million guesses, by {:.1f} points",
         [(ABOVE_WITH_A_MILLION > 0).sum(), len(ABOVE_WITH_A_MILLION), ABOVE_WITH_A_MILLION.max()],
     ),
     *((EXPERIMENT, f"| {seed} | {{:.1f}} | {{:.1f}} | {{:.1f}} | {{}} of 23 |", by_network(seed)) for seed in (2, 3)),
@@ -329,7 +329,7 @@ PHRASES = [
     ),
     (
         WORTH,
-        "- {} of {} searches with 100,000 guesses (`accepted`), - {} of {} searches with 100,000 guesses by",
+        "- {} of {} runs with 100,000 guesses (`accepted`), - {} of {} runs with 100,000 guesses by",
         [
             *((ABOVE > 0).sum(), len(ABOVE)),
             *(by_network(2)[-1] + by_network(3)[-1], 2 * OTHERS["experiment"].nunique()),
@@ -337,7 +337,7 @@ PHRASES = [
     ),
     (
         WORTH,
-        "{} of {} searches with 10,000 guesses (`accepted`)",
+        "{} of {} runs with 10,000 guesses (`accepted`)",
         [(SINGLE.xs(10_000, level="guesses").sub(PLAIN_LEVEL, axis=0) > 0).to_numpy().sum(), len(ABOVE)],
     ),
     (
