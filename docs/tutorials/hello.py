@@ -47,7 +47,8 @@ print(table.round(3).to_string())
 # ## Errors and warnings
 #
 # The torque error is the RMS of the residual (measured minus rebuilt torque) divided by the RMS of the torque. It is
-# computed here on the motion that was not fitted. Read the warnings before you use a result.
+# computed here on the motion that was not fitted. Read the warnings
+# ([fix a log](../../fix-a-log.md)) before you use a result.
 
 # %%
 errors = result.errors.query("part == 'validation'")

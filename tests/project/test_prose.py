@@ -283,13 +283,13 @@ PHRASES = [
     ("docs/explanation/limitations.md", "differ by {:.0f} to {:.0f} points", [SCATTER.min(), SCATTER.max()]),
     *(
         (
-            WORTH,
+            CAUSES,
             f"| {words} | {{:.0f}} | {{:.0f}} | {{:.0f}} | {{:.0f}} |",
             BY_MOTION[method][["T1", "T4", "T2", "T3"]],
         )
         for words, method in (("Algorithm 1", ("algorithm1", 100_000)), ("least squares", ("least-squares", 0)))
     ),
-    (WORTH, "T2 and T3 have {:.0f} to {:.0f} times the acceleration of ID", [FASTER.min(), FASTER.max()]),
+    (CAUSES, "T2 and T3 have {:.0f} to {:.0f} times the acceleration of ID", [FASTER.min(), FASTER.max()]),
     *(
         (
             EXPERIMENT,
@@ -452,7 +452,7 @@ PHRASES = [
     ),
     (
         WORTH,
-        "a network that reads the torque itself is {:.1f} points better than plain least squares",
+        "which reads the torque itself, is {:.1f} points better than plain least squares",
         [100 * over_motion("slow")],
     ),
     (STUDY, "that also knows the training arms is {:.1f} points better", [prior_gain("slow", "narrow")]),
