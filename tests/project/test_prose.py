@@ -385,7 +385,7 @@ PHRASES = [
         "Algorithm 1 (first cell) scores {:.1f} % and least squares {:.1f} %",
         [BY_ENERGY["ideal", "cnn", "measured"], BY_ENERGY["", "ordinary", ""]],
     ),
-    (CAUSES, "the true parameters themselves are only {:.2f} in size", [SIZE]),
+    (CAUSES, "The true parameters of the simulated arm have a root mean square of only {:.2f}", [SIZE]),
     (CAUSES, "Plain least squares scores {:.1f} %", [CELLS["", "ordinary", ""]]),
     (
         WORTH,
