@@ -49,7 +49,8 @@ for name, values in {"guess": guess, "residual": residual, "corrected": correcte
 # ## Score
 #
 # The score of each joint is the [similarity](../../explanation/metric.md) of the measured torque and the torque of the
-# parameters. Equal torques score 100 %, and least squares scores 95 and 94 %. Algorithm 1 keeps a corrected guess only
+# parameters. Equal torques score 100 %. On this
+# recording least squares scores 95 and 94 %. Algorithm 1 keeps a corrected guess only
 # if no parameter is negative (line 22). This is rare: of the guesses up
 # to 1 with seeds 0 to 399, only eight pass.
 

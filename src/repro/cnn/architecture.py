@@ -95,7 +95,7 @@ class TrainingSettings:
     ] = "streamed"
     steps: Annotated[Count, Key("optimiser steps; the streamed rate ends there", "steps", "ours")] = 4_000
     batch: Annotated[Width, Key("images in a step", "images", "ours")] = 64
-    learning_rate: Annotated[Positive, Key("rate that a line brings down to zero", source="ours")] = 5e-3
+    learning_rate: Annotated[Positive, Key("rate, which decays linearly to zero", source="ours")] = 5e-3
     warmup: Annotated[Whole, Key("steps over which the rate rises, at most a quarter of all", "steps", "ours")] = 400
     seed: Annotated[Seed, Key("seed of weights and samples of every network, and of the examples of Fig. 8 and 9")] = 1
     test_samples: Annotated[
@@ -119,7 +119,7 @@ class PlainSettings:
     width: Annotated[Width, Key("width of each of its three hidden layers")] = 512
     steps: Annotated[Count, Key("optimiser steps", "steps")] = 3000
     batch: Annotated[Width, Key("torques in a step", "torques")] = 512
-    learning_rate: Annotated[Positive, Key("rate that a cosine brings down to zero")] = 1e-3
+    learning_rate: Annotated[Positive, Key("rate, which decays to zero as a cosine")] = 1e-3
 
 
 def read_weights(path: Path, settings: NetworkSettings, fact: str | None = None) -> dict[str, NDArray[np.floating]]:

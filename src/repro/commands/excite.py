@@ -1,4 +1,4 @@
-"""Design a motion to identify your own arm by, within its limits."""
+"""Design a motion for identifying your own arm, within its limits."""
 
 import argparse
 import logging
@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Design a motion to identify your own arm by, within its limits."""
+    """Design a motion for identifying your own arm, within its limits."""
     import numpy as np
 
     from repro.files import check_folder, fill_folder

@@ -201,7 +201,7 @@ def better_convention(log: Log, s: Smoothed, arm: Arm) -> Iterator[str]:
     elif not noisy and given.residual > _MAX_RESIDUAL:
         found = f"Eq. 1 explains little of the torque (residual {100.0 * given.residual:.0f} %)"
         remedy = "check units, signs, zeros and which column is which"
-        yield f"{found} with any two changes of how the log is read: {remedy}"
+        yield f"{found}, even if up to two conventions are changed: {remedy}"
 
 
 def _best_pair(s: Smoothed, others: Sequence[Convention], one: _Fit, arm: Arm) -> tuple[_Fit, Convention] | None:
