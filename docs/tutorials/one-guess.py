@@ -3,8 +3,8 @@
 #
 # [Algorithm 1](../../explanation/algorithm1.md) repeats five steps: guess, image, residual, corrected guess, score.
 # This page performs each step once with public names of `repro`. The guess was chosen because it passes line 22 of
-# Algorithm 1, which rejects negative parameters. Its parameters are at most 1. The page needs the extra `cnn` and a checkout of the project after
-# `make setup`. The project's recordings are **simulated**.
+# Algorithm 1, which rejects negative parameters. Its parameters are at most 1. The page needs the extra `cnn` and a
+# checkout of the project after `make setup`. The project's recordings are **simulated**.
 #
 # ## Signals
 #
@@ -99,9 +99,9 @@ figure  # noqa: B018
 # ## Many guesses
 #
 # Algorithm 1 guesses each parameter between 0.001 and 3. The first row of the output uses 1,000 such guesses. In the
-# other rows the true parameters of the simulated arm are the only guess. The last row replaces the measured torque by the torque
-# of Eq. 1. An error is the root mean square over the nine parameters, in units of the largest torque. *Possible*
-# estimates pass line 22.
+# other rows the true parameters of the simulated arm are the only guess. The last row replaces the measured torque by
+# the torque of Eq. 1. An error is the root mean square over the nine parameters, in units of the largest torque.
+# *Possible* estimates pass line 22.
 
 # %%
 beta = np.array(yaml.safe_load((DATA.parent / "config/config.yaml").read_text())["arm"]["parameters"])
