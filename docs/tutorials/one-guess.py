@@ -2,13 +2,14 @@
 # # One guess through the network
 #
 # [Algorithm 1](../../explanation/algorithm1.md) repeats five steps: guess, image, residual, corrected guess, score.
-# This page performs each step once with public names of `repro`. The guess was chosen because it passes line 22 of
-# Algorithm 1, which rejects negative parameters. Its parameters are at most 1. The page needs the extra `cnn` and a
-# checkout of the project after `make setup`. The project's recordings are **simulated**.
+# This page performs each step once with public names of `repro`. We chose a guess whose corrected parameters are all
+# nonnegative, because line 22 of Algorithm 1 rejects others. Its parameters are at most 1. The page needs the extra
+# `cnn` and a checkout of the project after `make setup`. The project's recordings are **simulated**.
 #
 # ## Signals
 #
-# The input of the network comes from 100 samples of the trajectory of Eq. 10, filtered as in the paper (Eq. 14).
+# The input of the network comes from 100 samples of a recording of Eq. 10, filtered as in the paper (Eq. 14). `h` is
+# the sampling period, `c_f` the constant of the filter. Samples `n1` to `n2` - 1 are the trajectory of Eq. 10.
 
 # %%
 from pathlib import Path
@@ -34,7 +35,8 @@ scale = abs(tau).max()
 # ## Guess, image, residual, corrected guess
 #
 # A guess is in units of the largest torque. The image compares the torque of the guess with the measured torque (Eq. 8
-# and 9). From the image, the network estimates the residual, which is added to the guess.
+# and 9). From the image, the network estimates the *residual*, the paper's word for the correction that is added to the
+# guess.
 
 # %%
 network = repro.load_network(DATA / "networks/cnn.safetensors")

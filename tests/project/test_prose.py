@@ -272,7 +272,7 @@ PHRASES = [
     (EXPERIMENT, "with 100,000 guesses Algorithm 1 scores a median of {:.1f} %", accepted("algorithm1", 100_000)),
     (
         EXPERIMENT,
-        "differ by {:.0f} to {:.0f} points on T1 to T4 of an experiment. Of {} runs {} scores higher than plain "
+        "differ by {:.0f} to {:.0f} points on T1 to T4. Of {} runs {} scores higher than plain "
         "least squares, by {:.1f} points. Depending on the seed, the median over the experiments is between {:.1f} and "
         "{:.1f} %",
         [
@@ -461,6 +461,17 @@ PHRASES = [
         "docs/explanation/findings.md",
         "the printed a_1 (Eq. 22) is {:.2f} of what Eq. 3 requires",
         [np.sqrt(S2_CORNER["printed"] / S2_CORNER["found"])],
+    ),
+    *(
+        ("docs/results.md", f"| {{:.{digits}f}} | {words} |", [value])
+        for digits, words, value in (
+            (2, "1, the arm of the tables", BOTH["validation"]["mean-square", "algorithm1"]),
+            (1, "the same | median of 5, 100,000 | another processor", recipe("algorithm1")[2]),
+            (1, "median over 24 | median of 5, 100,000", *accepted("algorithm1", 100_000)),
+            (1, "median over 24 | median of 5, 10,000", *accepted("algorithm1", 10_000)),
+            (1, "median over 23 | 1, 10,000", MEDIAN["algorithm1"]),
+            (1, "mean over 23 | 1, 10,000", CELLS["ideal", "cnn", "measured"]),
+        )
     ),
     ("docs/results.md", "The mean of Algorithm 1 is {:.2f} % (published: 97.45 %)", [VALIDATION["algorithm1"]]),
     (
