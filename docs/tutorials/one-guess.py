@@ -8,8 +8,9 @@
 #
 # ## Signals
 #
-# The input of the network comes from 100 samples of a recording of Eq. 10, filtered as in the paper (Eq. 14). `h` is
-# the sampling period, `c_f` the constant of the filter. Samples `n1` to `n2` - 1 are the trajectory of Eq. 10.
+# The input of the network comes from 100 samples of the recorded identification motion (Eq. 10), filtered as in the
+# paper (Eq. 14). `h` is the sampling period, `c_f` the constant of the filter. Samples `n1` to `n2` - 1 are the
+# trajectory of Eq. 10.
 
 # %%
 from pathlib import Path
