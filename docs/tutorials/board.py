@@ -58,11 +58,11 @@ slow = repro.identify("ID.bin", validate="T2.bin", method="ordinary")
 show(slow)
 
 # %% [markdown]
-# Eq. 10 is slow and lasts 10.8 s here, without its start and end. It excites gravity and friction, but hardly inertia,
-# so the interval of I2 contains zero. The arm has [Stribeck friction](../../glossary.md), which Eq. 1 does not model.
-# The tool finds and subtracts this friction at joint 1. All intervals except that of k2 contain the true value. The
-# friction of joint 2 grows with the torque of its drive, but the intervals allow only for friction that grows with the
-# load behind the gear. Therefore k2 is 77 % too high, although its verdict is *known to 28 %*.
+# Eq. 10 is slow (10.8 s here, without lead-in and margins). It excites gravity and friction, but hardly inertia, so the
+# interval of I2 contains zero. The arm has [Stribeck friction](../../glossary.md), which Eq. 1 does not model. The tool
+# finds and subtracts this friction at joint 1. All intervals except that of k2 contain the true value. The friction of
+# joint 2 grows with the torque of its drive, so k2 is 77 % too high. Its verdict is still *known to 28 %*, because the
+# intervals allow only for friction that grows with the load behind the gear.
 #
 # ## What to excite
 #
@@ -73,7 +73,7 @@ show(slow)
 # | inertia (I1, I3) | acceleration up to what the drives can do, also of each joint while the other is slow |
 # | coupling (I2) | both joints fast at once, q2 well beyond 90 degrees, where the coupling changes sign (not here) |
 #
-# Record more than a few periods, with different frequencies at the two joints. `repro.excite` designs such a motion
+# Record many oscillations, with different frequencies at the two joints. `repro.excite` designs such a motion
 # within the limits of an arm. `repro record` refuses a motion beyond the limits of the board before it sends anything
 # ([recording](../../recording.md)).
 

@@ -54,8 +54,7 @@ for name, values in {"guess": guess, "residual": residual, "corrected": correcte
 # The score of each joint is the [similarity](../../explanation/metric.md) of the measured torque and the torque of the
 # parameters. Equal torques score 100 %. On this
 # recording least squares scores 95 and 94 %. Algorithm 1 keeps a corrected guess only
-# if no parameter is negative (line 22). This is rare: of the guesses up
-# to 1 with seeds 0 to 399, only eight pass.
+# if no parameter is negative (line 22). Of the guesses up to 1 with seeds 0 to 399, only eight pass.
 
 
 # %%
@@ -103,7 +102,7 @@ figure  # noqa: B018
 #
 # Algorithm 1 guesses each parameter between 0.001 and 3. The first row of the output uses 1,000 such guesses. In the
 # other rows the true parameters of the simulated arm are the only guess. The last row replaces the measured torque by
-# the torque of Eq. 1. An error is the root mean square over the nine parameters, in units of the largest torque.
+# their torque (Eq. 1). An error is the root mean square over the nine parameters, in units of the largest torque.
 # *Possible* estimates pass line 22.
 
 # %%

@@ -60,9 +60,8 @@ for term in result.details.terms:
     print(f"{term.name}: {term.value:.3f} +- {2 * term.error:.3f}, subtracted: {term.taken}")
 
 # %% [markdown]
-# Viscous and Coulomb friction look alike in a slow motion. Ordinary least squares returns negative b1 and b2, which are
-# physically impossible. Their intervals contain zero. Of the methods with physically possible parameters, the
-# recommended one predicts torque and position of the falls best.
+# Ordinary least squares returns negative b1 and b2, which are physically impossible. Their intervals contain zero. Of
+# the methods with physically possible parameters, the recommended one predicts torque and position of the falls best.
 
 # %%
 print(result.of("ordinary").parameters.loc[["b1", "b2", "k1", "k2"], ["estimate", "low", "high"]].round(3))

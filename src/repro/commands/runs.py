@@ -34,7 +34,7 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         type=Path,
         nargs="+",
-        help="configuration file, and overlays as snakemake had them (default: that of the project of the results)",
+        help="configuration file, and overlays as snakemake had them (default: that of the results' project)",
     )
 
 

@@ -222,7 +222,7 @@ class Experiment(Section):
     source: Literal["stored", "simulated", "serial", "rtl"] = key(
         "captures, a board in process, one on the serial port, or the design in logic, simulated in process"
     )
-    captures: Folder = key("folder of the stored captures: ID, T1 to T4, each `.bin` and `.json`")
+    captures: Folder = key("folder of the stored captures: ID, T1 to T4, each `.bin`, `.json` and `.program`")
     port: Annotated[str, Field(min_length=1)] = key("device or URL, as pyserial opens it: `socket://host:port`")
     baud: Count = key("speed of that port", "bit/s", "ours")
     lead_in_s: Positive = key(

@@ -115,7 +115,7 @@ MEANINGS: Final = {
     "algorithm1+tracked-measured": "the network is trained on closed-loop motions (extension)",
     "algorithm1+tracked": "closed-loop training, and f on the desired motion in line 18 (extensions)",
     "algorithm1+tracked/one-run": "all cells come from one run (extensions)",
-    "algorithm1+refinement": "differential evolution of the best candidates, at first with the network (extension)",
+    "algorithm1+refinement": "differential evolution of candidates, which the network corrects at first (extension)",
     "algorithm1+local-search": "the refinement without the network, for comparison",
     "differential-evolution": "a direct search from uniform guesses, without a network",
     "algorithm1+paper-recipe": "trained by the paper's schedule",
