@@ -273,11 +273,11 @@ def medians(above: pd.DataFrame) -> pd.DataFrame:
 
 @_figure("Algorithm 1 minus least squares by the number of guesses", draw_guesses)
 def guesses(inputs: Inputs, _: Configuration) -> pd.DataFrame:
-    """How far Algorithm 1 is above or below least squares of the same experiment within a number of guesses, on T1 to
-    T4 and on ID: of each experiment that the printed numbers do not rule out (thin lines, medians of five runs), and
-    the median of these, up to the most guesses that all have. Those that fit the printed numbers best were searched
-    with more guesses in one run (dotted). The paper prints the difference of the black line, and not how many guesses
-    it used. The vertical axes differ.
+    """Similarity of Algorithm 1 minus that of least squares in the same experiment, against the number of guesses, on
+    T1 to T4 and on ID. Thin lines: medians of five runs in each experiment that the printed numbers do not rule out.
+    Their median is drawn up to the most guesses that all experiments have. Dotted: one run with more guesses in the
+    experiments that fit the printed numbers best. Black: the difference that the paper prints, without the number of
+    guesses. The vertical axes differ.
     """
     scores = _scores(inputs)
     each = medians(_above(scores))
