@@ -56,7 +56,7 @@ print((100 * errors["relative_rms"]).round(1).to_list(), "% of joints 1 and 2")
 print(*result.warnings or ["no warnings"], sep="\n")
 
 # %% [markdown]
-# On the fitted log, measured and rebuilt torque of both joints coincide. The residual below them is smaller than the
+# On the fitted log, measured and rebuilt torque of both joints coincide. The residual (below) is smaller than the
 # noise, because `identify` filters the log first:
 
 # %%

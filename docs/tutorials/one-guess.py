@@ -54,7 +54,7 @@ for name, values in {"guess": guess, "residual": residual, "corrected": correcte
 # The score of each joint is the [similarity](../../explanation/metric.md) of the measured torque and the torque of the
 # parameters. Equal torques score 100 %. On this
 # recording least squares scores 95 and 94 %. Algorithm 1 keeps a corrected guess only
-# if no parameter is negative (line 22). Of the guesses up to 1 with seeds 0 to 399, only eight pass.
+# if no parameter is negative (line 22). Of the guesses with seeds 0 to 399, which go up to 1 only, eight pass.
 
 
 # %%

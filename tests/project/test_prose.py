@@ -389,7 +389,11 @@ PHRASES = [
         "Algorithm 1 (first cell) scores {:.1f} % and least squares {:.1f} %",
         [BY_ENERGY["ideal", "cnn", "measured"], BY_ENERGY["", "ordinary", ""]],
     ),
-    (CAUSES, "The true ones of experiment 1, so divided, are only {:.2f}", [SIZE]),
+    (
+        CAUSES,
+        "are off by {:.2f}, although the true parameters are only {:.2f} in size",
+        [ESTIMATES["random"][0], SIZE],
+    ),
     (CAUSES, "Plain least squares scores {:.1f} %", [CELLS["", "ordinary", ""]]),
     (
         WORTH,

@@ -47,7 +47,7 @@ rule identify_numeric_least_squares:
         CALL
 
 
-# Without a suffix the published network and least squares together.
+# Without a suffix the default network and least squares together.
 rule score_numeric:
     input:
         identifications=lambda wildcards: [

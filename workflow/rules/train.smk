@@ -40,4 +40,4 @@ rule training:
         expand(rules.train.output, suffix=""),
     localrule: True
     message:
-        "The published network is up to date"
+        "The default network is up to date"
