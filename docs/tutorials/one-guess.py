@@ -3,8 +3,8 @@
 #
 # [Algorithm 1](../../explanation/algorithm1.md) repeats five steps: guess, image, residual, corrected guess, score.
 # This page performs each step once with public names of `repro`. We chose a guess whose corrected parameters are all
-# nonnegative, because line 22 of Algorithm 1 rejects others. Its parameters are at most 1. The page needs the extra
-# `cnn` and a checkout of the project after `make setup`. The project's recordings are **simulated**.
+# nonnegative, because line 22 of Algorithm 1 rejects others. The guess has parameters of at most 1. The page needs the
+# extra `cnn` and a checkout of the project after `make setup`. The project's recordings are **simulated**.
 #
 # ## Signals
 #
@@ -101,8 +101,8 @@ figure  # noqa: B018
 # ## Many guesses
 #
 # Algorithm 1 guesses each parameter between 0.001 and 3. The first row of the output uses 1,000 such guesses. In the
-# other rows the true parameters of the simulated arm are the only guess. The last row replaces the measured torque by
-# their torque (Eq. 1). An error is the root mean square over the nine parameters, in units of the largest torque.
+# other rows the true parameters of the simulated arm are the only guess. The last row takes the torque from Eq. 1, not
+# from the recording. An error is the root mean square over the nine parameters, in units of the largest torque.
 # *Possible* estimates pass line 22.
 
 # %%

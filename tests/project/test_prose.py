@@ -391,7 +391,7 @@ PHRASES = [
     ),
     (
         CAUSES,
-        "are off by {:.2f}, although the true parameters are only {:.2f} in size",
+        "a typical estimate is off by {:.2f}, twice the size of the true parameters, {:.2f}",
         [ESTIMATES["random"][0], SIZE],
     ),
     (CAUSES, "Plain least squares scores {:.1f} %", [CELLS["", "ordinary", ""]]),
