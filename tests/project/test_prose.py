@@ -347,7 +347,8 @@ PHRASES = [
     ),
     (
         LEAST_SQUARES,
-        "one seed (five others: {:.1f} to {:.1f}) | {:.1f} | | Algorithm 1 + refinement | {:.1f} |",
+        "one seed (five others: {:.1f} to {:.1f}) | {:.1f} | | Algorithm 1 + refinement, with or without network; "
+        "differential evolution | {:.1f} |",
         [
             *SINGLE.xs(10_000, level="guesses").drop(10).median().agg(["min", "max"]),
             *MEDIAN[["algorithm1", "algorithm1+refinement"]],
@@ -474,7 +475,7 @@ PHRASES = [
         ("docs/results.md", f"| {{:.{digits}f}} | {words}", [value])
         for digits, words, value in (
             (2, "1, the arm of the tables", BOTH["validation"]["mean-square", "algorithm1"]),
-            (1, "the same | medians of 5 by motion, up to 100,000 | one trained", recipe("algorithm1")[2]),
+            (1, "the same | medians of 5 by motion and joint, up to 100,000 | one trained", recipe("algorithm1")[2]),
             (1, "median over 24 | median of 5, 100,000", *accepted("algorithm1", 100_000)),
             (1, "median over 24 | median of 5, 10,000", *accepted("algorithm1", 10_000)),
             (1, "median over 23 | 1, 10,000", MEDIAN["algorithm1"]),
