@@ -471,6 +471,23 @@ PHRASES = [
         "the printed a_1 (Eq. 22) is {:.2f} of what Eq. 3 requires",
         [np.sqrt(S2_CORNER["printed"] / S2_CORNER["found"])],
     ),
+    (
+        WORTH,
+        "| no optimised motion is needed | not decided | | without one: {:.0f} to +{:.0f} points",
+        percents(row("study_claims", claim="unoptimised"), "least", "most"),
+    ),
+    (
+        WORTH,
+        "{:.0f} points worse if they differ (`factorial`)",
+        [CELLS["tracked", "cnn", "measured"] - CELLS["ideal", "cnn", "measured"]],
+    ),
+    (WORTH, "| inconclusive with our training | above 97.38 | {:.2f} |", [NUMERIC["algorithm1"]]),
+    (WORTH, "| no (one network) | above 97.38 | {:.2f} |", [recipe("algorithm1+paper-recipe-ranges")[0]]),
+    (
+        "README.md",
+        "one of ours can be {:.1f} points off our average",
+        [CLAIMS.loc["abstract/numeric/total", "tolerance"]],
+    ),
     *(
         ("docs/results.md", f"| {{:.{digits}f}} | {words}", [value])
         for digits, words, value in (
@@ -536,6 +553,24 @@ def test_numbers_of_a_sentence_are_those_of_the_tables(page, phrase, numbers):
     found = re.search(re.sub(r"\\\{[^}]*\\\}", r"([-+.,\\d]+)", re.escape(phrase)), text)
     assert found is not None, f"{page}: no sentence {phrase!r}"
     assert expected in text, f"{page}: found {found[0]!r}, expected {expected!r}"
+
+
+def test_searches_for_the_highest_similarity_have_one_median():
+    assert (
+        MEDIAN[["algorithm1+refinement", "algorithm1+local-search", "differential-evolution"]].round(1).nunique() == 1
+    )
+
+
+def test_ten_million_guesses_did_not_raise_the_similarity():
+    scores = TEN_MILLION.pivot(index="experiment", columns="guesses", values="t1_to_t4")
+    assert (scores[10_000_000] <= scores[100_000]).all()
+
+
+def test_intervals_of_the_network_remove_half_of_the_variance_of_some_parameters_and_none_of_inertias():
+    removed = WIDTH["contraction"]
+    assert removed[["g1", "g2", "b1", "k2"]].between(0.4, 0.65).all()
+    assert removed[["b2", "k1"]].between(0.0, 0.3).all()
+    assert (removed[["I1", "I2", "I3"]] < 0.05).all()
 
 
 def test_a_typical_estimate_is_off_by_more_than_the_parameters_are_large_and_rejected():
